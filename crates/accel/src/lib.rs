@@ -1,0 +1,1 @@
+//! CPU bounding volume hierarchy: closest, any and all hits.

@@ -1,0 +1,2 @@
+//! Order-independent transparency: render, compare, measure.
+fn main() {}

@@ -1,0 +1,1 @@
+//! Words every Sheer crate speaks: colour, hashes, threshold maps, blue noise.

@@ -1,0 +1,1 @@
+//! Images in memory and on disk: planes, EXR, PNG, the tone curve.

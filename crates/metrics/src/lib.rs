@@ -1,0 +1,1 @@
+//! Image in, number out: SSIM, PSNR and friends.

@@ -1,0 +1,1 @@
+//! Order-independent transparency: the methods, the CPU backend, temporal accumulation.

@@ -1,0 +1,1 @@
+//! Validated scenes: glTF files, built-in scenes, animation.
