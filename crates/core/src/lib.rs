@@ -1,1 +1,3 @@
 //! Words every Sheer crate speaks: colour, hashes, threshold maps, blue noise.
+
+pub mod colour;
