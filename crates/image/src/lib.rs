@@ -1,1 +1,22 @@
 //! Images in memory and on disk: planes, EXR, PNG, the tone curve.
+//!
+//! This crate is the only one that reads and writes pixel files. In memory everything is linear light, top row first;
+//! [`ToneCurve`] is the one way from linear light to a display.
+
+mod decode;
+mod error;
+mod exr_file;
+mod output;
+mod planes;
+mod png_file;
+mod raster;
+mod tone;
+
+pub use decode::{TextureLimits, decode_texture};
+pub use error::ImageError;
+pub use exr_file::{encode_exr, read_exr, write_exr};
+pub use output::{FileFormat, Metadata, check_writable, write_frame, write_whole};
+pub use planes::{Band, Pixel, Planes};
+pub use png_file::{encode_png, read_png, write_png};
+pub use raster::Image;
+pub use tone::{ToneCurve, display, display_over_black, u8_from_unit, unit_from_u8};
