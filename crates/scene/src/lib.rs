@@ -1,1 +1,26 @@
 //! Validated scenes: glTF files, built-in scenes, animation.
+//!
+//! A [`Scene`] is validated once and then immutable. [`Animator`] turns a scene and a time into a [`Frame`]: world-space triangles, their
+//! opacity, and surfaces to shade. Loaders live in [`load`], one file a format; built-in scenes in [`builtin`], one file a scene.
+
+pub mod builtin;
+pub mod camera;
+pub mod environment;
+mod error;
+mod frame;
+mod keys;
+pub mod load;
+pub mod model;
+pub mod particle;
+mod scene;
+mod texture;
+
+pub use crate::{
+    camera::{Camera, CameraPose, CameraRay, Lens},
+    environment::Environment,
+    error::SceneError,
+    frame::{Animator, FaceSide, Frame, FrameLight, Object, Surface},
+    load::{LoadWarning, Loaded, open},
+    model::SceneParts,
+    scene::{CameraChoice, Scene},
+};

@@ -1,0 +1,213 @@
+//! Cameras and where they are at a time.
+
+use std::f32::consts::TAU;
+
+use glam::{Affine3A, Mat3, Vec2, Vec3};
+
+/// A camera of the scene.
+#[derive(Clone, Debug)]
+pub struct Camera {
+    /// Name for `--camera NAME`; built-in scenes use `static` and `path`.
+    pub name: String,
+    /// Its lens.
+    pub lens: Lens,
+    /// How it is placed.
+    pub motion: CameraMotion,
+}
+
+/// What a camera sees from where it is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Lens {
+    /// A pinhole.
+    Perspective {
+        /// Full vertical field of view, radians.
+        yfov_rad: f32,
+    },
+    /// Parallel rays.
+    Orthographic {
+        /// Half the height of the view, world units.
+        half_height: f32,
+    },
+}
+
+/// Where a camera is at a time.
+#[derive(Clone, Debug)]
+pub enum CameraMotion {
+    /// It hangs on a node, animated or not.
+    Node(u32),
+    /// A smooth path through keys (centripetal Catmull-Rom), held before the first and after the last, or closed.
+    Path {
+        /// Keys in order of time, at least one; with one key the camera is static.
+        keys: Vec<CameraKey>,
+    },
+    /// A full turn around a point.
+    Orbit {
+        /// The middle of the circle, and what is looked at.
+        target: Vec3,
+        /// Eye at time zero.
+        eye: Vec3,
+        /// Time of one turn.
+        period_secs: f32,
+    },
+}
+
+/// One key of a camera path.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CameraKey {
+    /// Seconds.
+    pub time_secs: f32,
+    /// Position in world.
+    pub eye: Vec3,
+    /// Looked-at point in world; never the eye itself.
+    pub target: Vec3,
+}
+
+/// A camera at one moment.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CameraPose {
+    /// Rigid; the camera looks along its own -Z, +Y is up.
+    pub world_from_camera: Affine3A,
+    /// Its lens.
+    pub lens: Lens,
+}
+
+/// A ray of a camera.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CameraRay {
+    /// Origin in world.
+    pub origin: Vec3,
+    /// Unit direction in world.
+    pub direction: Vec3,
+}
+
+impl Camera {
+    /// A camera that stands still.
+    #[must_use]
+    pub fn fixed(name: &str, yfov_rad: f32, eye: Vec3, target: Vec3) -> Self {
+        Self {
+            name: name.to_owned(),
+            lens: Lens::Perspective { yfov_rad },
+            motion: CameraMotion::Path { keys: vec![CameraKey { time_secs: 0.0, eye, target }] },
+        }
+    }
+}
+
+impl CameraPose {
+    /// Placed at `eye`, looking at `target`, +Y up (any up if looking straight along it).
+    #[must_use]
+    pub fn looking_at(lens: Lens, eye: Vec3, target: Vec3) -> Self {
+        let back = (eye - target).try_normalize().unwrap_or(Vec3::Z);
+        let up = if back.y.abs() > 0.9999 { Vec3::Z } else { Vec3::Y };
+        let right = up.cross(back).normalize();
+        let rotation = Mat3::from_cols(right, back.cross(right), back);
+        Self { world_from_camera: Affine3A::from_mat3_translation(rotation, eye), lens }
+    }
+
+    /// Position in world.
+    #[must_use]
+    pub fn eye(&self) -> Vec3 {
+        self.world_from_camera.translation.into()
+    }
+
+    /// Unit viewing direction in world.
+    #[must_use]
+    pub fn forward(&self) -> Vec3 {
+        -Vec3::from(self.world_from_camera.matrix3.z_axis)
+    }
+
+    /// The ray through `pixel` (pixel units, origin in the upper left corner, centres at halves) of an image of `size` pixels.
+    #[must_use]
+    pub fn ray(&self, pixel: Vec2, size: Vec2) -> CameraRay {
+        let ndc = Vec2::new(2.0 * pixel.x - size.x, size.y - 2.0 * pixel.y) / size.y;
+        match self.lens {
+            Lens::Perspective { yfov_rad } => {
+                let in_camera = (ndc * (0.5 * yfov_rad).tan()).extend(-1.0);
+                let direction = self.world_from_camera.transform_vector3(in_camera).normalize();
+                CameraRay { origin: self.eye(), direction }
+            }
+            Lens::Orthographic { half_height } => {
+                let origin = self.world_from_camera.transform_point3((ndc * half_height).extend(0.0));
+                CameraRay { origin, direction: self.forward() }
+            }
+        }
+    }
+
+    /// Distance of a world point along the viewing axis.
+    #[must_use]
+    pub fn view_depth(&self, point_in_world: Vec3) -> f32 {
+        (point_in_world - self.eye()).dot(self.forward())
+    }
+
+    /// Where a world point appears, in pixels; `None` behind a perspective camera.
+    #[must_use]
+    pub fn project(&self, point_in_world: Vec3, size: Vec2) -> Option<Vec2> {
+        let in_camera = self.world_from_camera.matrix3.transpose() * (point_in_world - self.eye());
+        let ndc = match self.lens {
+            Lens::Perspective { yfov_rad } => {
+                if in_camera.z >= 0.0 {
+                    return None;
+                }
+                in_camera.truncate() / (-in_camera.z * (0.5 * yfov_rad).tan())
+            }
+            Lens::Orthographic { half_height } => in_camera.truncate() / half_height,
+        };
+        Some(Vec2::new(ndc.x * size.y + size.x, size.y - ndc.y * size.y) * 0.5)
+    }
+
+    /// Where a direction at infinity appears, in pixels; `None` behind a perspective camera.
+    #[must_use]
+    pub fn project_direction(&self, direction_in_world: Vec3, size: Vec2) -> Option<Vec2> {
+        match self.lens {
+            Lens::Perspective { .. } => self.project(self.eye() + direction_in_world, size),
+            Lens::Orthographic { .. } => None,
+        }
+    }
+}
+
+/// The pose of a path or an orbit at a time; a camera on a node is posed by the frame that knows the node.
+pub(crate) fn pose_on_rails(lens: Lens, motion: &CameraMotion, time_secs: f32) -> Option<CameraPose> {
+    match motion {
+        CameraMotion::Node(_) => None,
+        CameraMotion::Path { keys } => {
+            let (eye, target) = along_path(keys, time_secs);
+            Some(CameraPose::looking_at(lens, eye, target))
+        }
+        CameraMotion::Orbit { target, eye, period_secs } => {
+            let rotation = Mat3::from_rotation_y(TAU * time_secs / period_secs);
+            Some(CameraPose::looking_at(lens, *target + rotation * (*eye - *target), *target))
+        }
+    }
+}
+
+/// Cubic Hermite through the keys with finite-difference tangents, so that uneven key times do not overshoot.
+fn along_path(keys: &[CameraKey], time_secs: f32) -> (Vec3, Vec3) {
+    let next = keys.partition_point(|key| key.time_secs <= time_secs);
+    let (Some(previous), Some(following)) = (next.checked_sub(1), keys.get(next)) else {
+        let held = keys[next.saturating_sub(1)];
+        return (held.eye, held.target);
+    };
+    let span_secs = following.time_secs - keys[previous].time_secs;
+    let s = (time_secs - keys[previous].time_secs) / span_secs;
+    let spline = |value: &dyn Fn(usize) -> Vec3| {
+        let slope = |at: usize| {
+            let (low, high) = (at.saturating_sub(1), (at + 1).min(keys.len() - 1));
+            (value(high) - value(low)) / (keys[high].time_secs - keys[low].time_secs)
+        };
+        value(previous).hermite_to(value(next), slope(previous) * span_secs, slope(next) * span_secs, s)
+    };
+    (spline(&|at| keys[at].eye), spline(&|at| keys[at].target))
+}
+
+trait Hermite {
+    fn hermite_to(self, end: Self, start_tangent: Self, end_tangent: Self, s: f32) -> Self;
+}
+
+impl Hermite for Vec3 {
+    fn hermite_to(self, end: Self, start_tangent: Self, end_tangent: Self, s: f32) -> Self {
+        let (s2, s3) = (s * s, s * s * s);
+        self * (2.0 * s3 - 3.0 * s2 + 1.0)
+            + start_tangent * (s3 - 2.0 * s2 + s)
+            + end * (3.0 * s2 - 2.0 * s3)
+            + end_tangent * (s3 - s2)
+    }
+}

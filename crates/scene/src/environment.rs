@@ -1,0 +1,105 @@
+//! Light from far away: a sky in closed form, so that it can be looked up blurred without tables or noise.
+
+use std::f32::consts::PI;
+
+use glam::Vec3;
+
+/// A vertical gradient plus soft lobes, all linear radiance.
+#[derive(Clone, Debug)]
+pub struct Environment {
+    /// Straight up.
+    pub zenith: Vec3,
+    /// At eye level.
+    pub horizon: Vec3,
+    /// Straight down.
+    pub ground: Vec3,
+    /// Soft boxes, the glow around a sun: what reflections live on.
+    pub lobes: Vec<Lobe>,
+}
+
+/// A spherical Gaussian: `radiance · exp(sharpness · (cos - 1))` (Wang et al. 2009).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lobe {
+    /// Unit direction towards the brightest point.
+    pub direction: Vec3,
+    /// Radiance there.
+    pub radiance: Vec3,
+    /// Greater is smaller: 2 fills a third of the sky, 500 is a lamp.
+    pub sharpness: f32,
+}
+
+impl Default for Environment {
+    fn default() -> Self {
+        Self::neutral_studio()
+    }
+}
+
+impl Environment {
+    /// No light at all.
+    #[must_use]
+    pub fn black() -> Self {
+        Self { zenith: Vec3::ZERO, horizon: Vec3::ZERO, ground: Vec3::ZERO, lobes: Vec::new() }
+    }
+
+    /// What a file without lights is shown in: a bright grey room with a key, a fill and a rim light.
+    #[must_use]
+    pub fn neutral_studio() -> Self {
+        let lobe = |x: f32, y: f32, z: f32, strength: f32, sharpness: f32| Lobe {
+            direction: Vec3::new(x, y, z).normalize(),
+            radiance: Vec3::splat(strength),
+            sharpness,
+        };
+        Self {
+            zenith: Vec3::splat(0.75),
+            horizon: Vec3::splat(0.5),
+            ground: Vec3::splat(0.22),
+            lobes: vec![
+                lobe(0.6, 0.9, 0.7, 5.0, 18.0),
+                lobe(-0.9, 0.35, 0.5, 1.6, 10.0),
+                lobe(0.1, 0.5, -1.0, 2.4, 14.0),
+            ],
+        }
+    }
+
+    /// Radiance arriving from a unit direction, averaged over a lobe of the given width: 0 is a mirror's view, 1 nearly the whole
+    /// hemisphere (perceptual roughness).
+    #[must_use]
+    pub fn radiance(&self, direction: Vec3, roughness: f32) -> Vec3 {
+        // The gradient is smooth: blurring it pulls the height towards the horizon's mix.
+        let blur = 1.0 - 0.6 * roughness * roughness;
+        let mut sum = self.gradient(direction.y * blur);
+        // A rough reflection is itself a spherical Gaussian; the product's width adds as 1/sharpness (Wang et al. 2009, section 3.2).
+        let alpha = (roughness * roughness).max(1e-3);
+        let view_sharpness = 2.0 / (alpha * alpha) / 4.0;
+        for lobe in &self.lobes {
+            let sharpness = lobe.sharpness * view_sharpness / (lobe.sharpness + view_sharpness);
+            let energy = sharpness / lobe.sharpness;
+            sum += lobe.radiance * energy * (sharpness * (direction.dot(lobe.direction) - 1.0)).exp();
+        }
+        sum
+    }
+
+    /// Irradiance on a surface with the given unit normal, divided by pi: the radiance that a white diffuse surface shows.
+    #[must_use]
+    pub fn diffuse(&self, normal: Vec3) -> Vec3 {
+        // Cosine-weighted mean of the gradient in closed form: the hemisphere's mean height is 2/3 of the normal's.
+        let mut sum = self.gradient(normal.y * (2.0 / 3.0));
+        for lobe in &self.lobes {
+            // Lobe integral times a clamped cosine softened by the lobe's width.
+            let integral = 2.0 * PI / lobe.sharpness * (1.0 - (-2.0 * lobe.sharpness).exp());
+            let softness = 1.0 / (1.0 + lobe.sharpness);
+            let cosine = normal.dot(lobe.direction);
+            let facing = ((cosine + softness) / (1.0 + softness)).max(0.0);
+            sum += lobe.radiance * integral * facing / PI;
+        }
+        sum
+    }
+
+    fn gradient(&self, height: f32) -> Vec3 {
+        if height >= 0.0 {
+            self.horizon.lerp(self.zenith, height.min(1.0).sqrt())
+        } else {
+            self.horizon.lerp(self.ground, (-height * 3.0).min(1.0).sqrt())
+        }
+    }
+}

@@ -1,0 +1,71 @@
+//! Loaders, one file a format.
+
+use std::{fmt, path::Path};
+
+use crate::{SceneError, builtin, scene::Scene};
+
+mod gltf;
+
+/// A scene and what was left out of it.
+#[derive(Debug)]
+pub struct Loaded {
+    /// The scene.
+    pub scene: Scene,
+    /// Things a user should know, each said once.
+    pub warnings: Vec<LoadWarning>,
+}
+
+/// Something in a file that is shown differently from what its author meant.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum LoadWarning {
+    /// An optional extension that has no effect here.
+    ExtensionIgnored {
+        /// Its name.
+        extension: String,
+    },
+    /// Points and lines are not drawn.
+    NotTriangles {
+        /// Mesh and primitive.
+        place: String,
+        /// The mode's name.
+        mode: String,
+    },
+    /// `KHR_materials_transmission` is drawn as coverage: nothing refracts.
+    TransmissionAsCoverage {
+        /// Material name or index.
+        material: String,
+    },
+    /// The file was repaired in a way its author would want, e.g. a normal that was not of unit length.
+    Repaired {
+        /// Where.
+        place: String,
+        /// What was done.
+        what: String,
+    },
+}
+
+impl fmt::Display for LoadWarning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::ExtensionIgnored { extension } => write!(f, "extension {extension} has no effect here"),
+            Self::NotTriangles { place, mode } => write!(f, "{place}: {mode} are not drawn"),
+            Self::TransmissionAsCoverage { material } => {
+                write!(f, "material {material}: transmission is drawn as alpha coverage, without refraction")
+            }
+            Self::Repaired { place, what } => write!(f, "{place}: {what}"),
+        }
+    }
+}
+
+/// Opens a scene: a built-in by name, with parameters as `layers:count=8,alpha=0.2`, or a `.gltf` or `.glb` file by path.
+///
+/// # Errors
+/// [`SceneError`] says what is wrong, where, and what to do.
+pub fn open(text: &str) -> Result<Loaded, SceneError> {
+    let path = Path::new(text);
+    match path.extension().and_then(|extension| extension.to_str()).map(str::to_ascii_lowercase).as_deref() {
+        Some("gltf" | "glb") => gltf::load(path),
+        _ => builtin::build(text).map(|scene| Loaded { scene, warnings: Vec::new() }),
+    }
+}

@@ -1,0 +1,399 @@
+//! The parts a scene is made of: plain data that loaders and built-in scenes fill in and [`Scene::new`](crate::Scene::new)
+//! validates once.
+//!
+//! Spaces: `object` is a mesh's own, `world` is right-handed with +Y up, metres. A camera and a spot or directional light look along
+//! their node's -Z (glTF 2.0). Texture coordinates have their origin in the upper left corner. All colour factors are linear Rec. 709.
+
+use std::sync::Arc;
+
+use glam::{Affine2, Affine3A, Quat, Vec2, Vec3, Vec4};
+use sheer_image::Image;
+
+use crate::{camera::Camera, environment::Environment, particle::ParticleSystem};
+
+/// Everything a scene consists of, not yet validated.
+#[derive(Clone, Debug, Default)]
+pub struct SceneParts {
+    /// Name for reports: the built-in's name or the file's stem.
+    pub name: String,
+    /// Transform hierarchy; a parent stands before its children.
+    pub nodes: Vec<Node>,
+    /// Geometry, one glTF primitive each.
+    pub meshes: Vec<Mesh>,
+    /// Which mesh is drawn where.
+    pub instances: Vec<Instance>,
+    /// Joint sets for skinned instances.
+    pub skins: Vec<Skin>,
+    /// Materials that meshes and particle systems refer to.
+    pub materials: Vec<Material>,
+    /// Textures that materials refer to.
+    pub textures: Vec<Texture>,
+    /// Animations that all play at once, each looping by its own duration.
+    pub animations: Vec<Animation>,
+    /// Camera-facing particle quads.
+    pub particles: Vec<ParticleSystem>,
+    /// Punctual lights and the sun.
+    pub lights: Vec<Light>,
+    /// Light from far away, and what a ray that leaves the scene sees.
+    pub environment: Environment,
+    /// Cameras; the first is the default.
+    pub cameras: Vec<Camera>,
+    /// Multiplies all radiance before the tone curve; 1 shows radiance 1 as display white.
+    pub exposure: f32,
+}
+
+/// One transform of the hierarchy.
+#[derive(Clone, Debug)]
+pub struct Node {
+    /// Name for messages; may be empty.
+    pub name: String,
+    /// Index of the parent, which is smaller than this node's own.
+    pub parent: Option<u32>,
+    /// `parent_from_node` at rest.
+    pub transform: Transform,
+}
+
+/// A local transform.
+#[derive(Clone, Copy, Debug)]
+pub enum Transform {
+    /// Scale, then rotation, then translation; the only form that can be animated.
+    Trs {
+        /// Offset in the parent's space.
+        translation: Vec3,
+        /// Unit quaternion.
+        rotation: Quat,
+        /// Factors, negative ones mirror.
+        scale: Vec3,
+    },
+    /// Any affine map.
+    Matrix(Affine3A),
+}
+
+impl Transform {
+    /// The identity.
+    pub const IDENTITY: Self = Self::Trs { translation: Vec3::ZERO, rotation: Quat::IDENTITY, scale: Vec3::ONE };
+
+    /// A pure translation.
+    #[must_use]
+    pub fn from_translation(translation: Vec3) -> Self {
+        Self::Trs { translation, rotation: Quat::IDENTITY, scale: Vec3::ONE }
+    }
+
+    /// As an affine map, `parent_from_node`.
+    #[must_use]
+    pub fn to_affine(self) -> Affine3A {
+        match self {
+            Self::Trs { translation, rotation, scale } => {
+                Affine3A::from_scale_rotation_translation(scale, rotation, translation)
+            }
+            Self::Matrix(affine) => affine,
+        }
+    }
+}
+
+/// Triangles with their vertex attributes in object space. Empty attribute lists mean "none".
+#[derive(Clone, Debug, Default)]
+pub struct Mesh {
+    /// Name for messages.
+    pub name: String,
+    /// Index into [`SceneParts::materials`].
+    pub material: u32,
+    /// Vertex positions.
+    pub positions: Vec<Vec3>,
+    /// Unit vertex normals; none: flat shading.
+    pub normals: Vec<Vec3>,
+    /// Unit tangents with the bitangent's sign in w (glTF); none, or a mesh that is skinned or morphed: derived from the texture
+    /// coordinates where a normal map needs them.
+    pub tangents: Vec<Vec4>,
+    /// Texture coordinate sets, `TEXCOORD_0` first, each as long as `positions`.
+    pub uv_sets: Vec<Vec<Vec2>>,
+    /// Linear straight RGBA that multiplies the base colour.
+    pub colours: Vec<Vec4>,
+    /// Vertex indices, three a triangle, counter-clockwise seen from the front.
+    pub indices: Vec<[u32; 3]>,
+    /// Joint influences of each vertex, flattened: `influences_per_vertex` entries a vertex. Weights sum to one.
+    pub influences: Vec<Influence>,
+    /// 0 (not skinned), 4, 8, …
+    pub influences_per_vertex: usize,
+    /// Displacements to blend in by morph weight.
+    pub morph_targets: Vec<MorphTarget>,
+}
+
+/// The pull of one joint on one vertex.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Influence {
+    /// Index into [`Skin::joints`].
+    pub joint: u16,
+    /// 0 to 1.
+    pub weight: f32,
+}
+
+/// Displacements of a mesh's vertices; empty lists do not displace.
+#[derive(Clone, Debug, Default)]
+pub struct MorphTarget {
+    /// Added to positions, times the weight.
+    pub positions: Vec<Vec3>,
+    /// Added to normals, times the weight.
+    pub normals: Vec<Vec3>,
+}
+
+/// A mesh drawn at a node.
+#[derive(Clone, Debug)]
+pub struct Instance {
+    /// Where: index into [`SceneParts::nodes`].
+    pub node: u32,
+    /// A further transform below the node (`EXT_mesh_gpu_instancing`); identity otherwise.
+    pub node_from_object: Affine3A,
+    /// What: index into [`SceneParts::meshes`].
+    pub mesh: u32,
+    /// Object id, as `InstanceID()` of STD Listing 4; primitives of one glTF mesh at one node share it.
+    pub id: u32,
+    /// Which primitive of the glTF mesh, as `GeometryIndex()` of STD Listing 4.
+    pub geometry: u32,
+    /// Index into [`SceneParts::skins`]; a skinned instance ignores its own node's transform (glTF 2.0, 3.7.3.3).
+    pub skin: Option<u32>,
+    /// Morph weights at rest, one a morph target of the mesh (animation channels of `node` override them).
+    pub morph_weights: Vec<f32>,
+}
+
+/// Joints of a skeleton.
+#[derive(Clone, Debug, Default)]
+pub struct Skin {
+    /// Name for messages.
+    pub name: String,
+    /// Node indices.
+    pub joints: Vec<u32>,
+    /// `joint_from_object` in the bind pose, one a joint.
+    pub inverse_bind: Vec<Affine3A>,
+}
+
+/// How light meets a surface.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum ShadingModel {
+    /// glTF metallic-roughness (glTF 2.0, appendix B).
+    #[default]
+    MetallicRoughness,
+    /// The base colour is the radiance (`KHR_materials_unlit`).
+    Unlit,
+    /// A puff of smoke: light wraps around a sphere inscribed in the quad and shines through it.
+    Smoke,
+}
+
+/// What the alpha of a surface means (glTF 2.0, 3.9.4).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum AlphaMode {
+    /// Alpha is ignored.
+    #[default]
+    Opaque,
+    /// Opaque where alpha is at least the cutoff, else not there: an alpha test, never blended.
+    Mask {
+        /// 0 to 1.
+        cutoff: f32,
+    },
+    /// Alpha is opacity.
+    Blend,
+}
+
+/// A surface.
+#[derive(Clone, Debug)]
+pub struct Material {
+    /// Name for messages.
+    pub name: String,
+    /// How light meets it.
+    pub model: ShadingModel,
+    /// Linear straight factor.
+    pub base_colour: Vec4,
+    /// sRGB colour texture with straight alpha.
+    pub base_colour_texture: Option<TextureRef>,
+    /// What alpha means.
+    pub alpha_mode: AlphaMode,
+    /// Multiplies the opacity after the alpha mode has had its say; 1 unless overridden for the whole scene.
+    pub opacity: f32,
+    /// 0 dielectric, 1 metal.
+    pub metallic: f32,
+    /// Perceptual roughness, 0 to 1.
+    pub roughness: f32,
+    /// Linear texture: roughness in green, metallic in blue.
+    pub metallic_roughness_texture: Option<TextureRef>,
+    /// Linear tangent-space normals.
+    pub normal_texture: Option<TextureRef>,
+    /// Scales the x and y of the normal texture.
+    pub normal_scale: f32,
+    /// Linear texture: occlusion of environment light in red.
+    pub occlusion_texture: Option<TextureRef>,
+    /// 0 ignores the occlusion texture, 1 takes it whole.
+    pub occlusion_strength: f32,
+    /// Emitted radiance (with `KHR_materials_emissive_strength` multiplied in).
+    pub emissive: Vec3,
+    /// sRGB texture that multiplies `emissive`.
+    pub emissive_texture: Option<TextureRef>,
+    /// Back faces are seen too. Single-sided back faces are not there for camera rays.
+    pub double_sided: bool,
+}
+
+impl Default for Material {
+    fn default() -> Self {
+        Self {
+            name: String::new(),
+            model: ShadingModel::MetallicRoughness,
+            base_colour: Vec4::ONE,
+            base_colour_texture: None,
+            alpha_mode: AlphaMode::Opaque,
+            opacity: 1.0,
+            metallic: 0.0,
+            roughness: 1.0,
+            metallic_roughness_texture: None,
+            normal_texture: None,
+            normal_scale: 1.0,
+            occlusion_texture: None,
+            occlusion_strength: 1.0,
+            emissive: Vec3::ZERO,
+            emissive_texture: None,
+            double_sided: false,
+        }
+    }
+}
+
+/// A material's use of a texture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TextureRef {
+    /// Index into [`SceneParts::textures`].
+    pub texture: u32,
+    /// Index into [`Mesh::uv_sets`]; a mesh without that set samples at (0, 0).
+    pub uv_set: u32,
+    /// `texture_from_mesh_uv` (`KHR_texture_transform`).
+    pub transform: Affine2,
+}
+
+impl TextureRef {
+    /// A texture used as it is, on the first coordinate set.
+    #[must_use]
+    pub fn new(texture: u32) -> Self {
+        Self { texture, uv_set: 0, transform: Affine2::IDENTITY }
+    }
+}
+
+/// Texels and how they are looked up. Two textures may share one image.
+#[derive(Clone, Debug)]
+pub struct Texture {
+    /// Name for messages.
+    pub name: String,
+    /// Straight RGBA, 8 bits a channel.
+    pub image: Arc<Image<[u8; 4]>>,
+    /// The RGB channels are sRGB-encoded (alpha never is).
+    pub srgb: bool,
+    /// Behaviour outside [0, 1] in u and v.
+    pub wrap: [Wrap; 2],
+    /// Interpolation.
+    pub filter: Filter,
+}
+
+/// Texture behaviour outside [0, 1].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Wrap {
+    /// Tile.
+    #[default]
+    Repeat,
+    /// Tile, every second one mirrored.
+    MirroredRepeat,
+    /// Hold the edge texel.
+    ClampToEdge,
+}
+
+/// Texture interpolation.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Filter {
+    /// Four texels weighted.
+    #[default]
+    Linear,
+    /// The nearest texel.
+    Nearest,
+}
+
+/// A keyframe clip.
+#[derive(Clone, Debug, Default)]
+pub struct Animation {
+    /// Name for messages.
+    pub name: String,
+    /// Tracks and what they move.
+    pub channels: Vec<Channel>,
+}
+
+/// One animated property of one node.
+#[derive(Clone, Debug)]
+pub struct Channel {
+    /// Index into [`SceneParts::nodes`]; the node's transform is [`Transform::Trs`].
+    pub node: u32,
+    /// The property and its keys.
+    pub track: Track,
+}
+
+/// Keys of an animated property.
+#[derive(Clone, Debug)]
+pub enum Track {
+    /// Replaces the translation.
+    Translation(Keys<Vec3>),
+    /// Replaces the rotation.
+    Rotation(Keys<Quat>),
+    /// Replaces the scale.
+    Scale(Keys<Vec3>),
+    /// Replaces the morph weights of the instances at the node.
+    MorphWeights(Keys<Vec<f32>>),
+}
+
+/// Key times and values.
+#[derive(Clone, Debug)]
+pub struct Keys<T> {
+    /// Seconds, strictly increasing, at least one.
+    pub times_secs: Vec<f32>,
+    /// One value a time; for cubic splines three: in-tangent, value, out-tangent.
+    pub values: Vec<T>,
+    /// How to go from key to key.
+    pub interpolation: Interpolation,
+}
+
+/// Interpolation between keys (glTF 2.0, appendix C).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Interpolation {
+    /// Straight; rotations along the great arc.
+    #[default]
+    Linear,
+    /// Hold the last key.
+    Step,
+    /// Cubic Hermite spline.
+    CubicSpline,
+}
+
+/// A light with no extent (`KHR_lights_punctual`).
+#[derive(Clone, Debug)]
+pub struct Light {
+    /// Name for messages.
+    pub name: String,
+    /// Where it is and which way it looks (along -Z).
+    pub node: u32,
+    /// Linear RGB times intensity: illuminance (lux) for directional lights, luminous intensity (candela) for the others.
+    pub intensity: Vec3,
+    /// Its shape.
+    pub kind: LightKind,
+}
+
+/// Shapes of punctual lights.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum LightKind {
+    /// Parallel light: the sun.
+    Directional,
+    /// The same in all directions.
+    Point {
+        /// Beyond this distance there is no light; infinite if the file does not say.
+        range: f32,
+    },
+    /// A cone around -Z.
+    Spot {
+        /// Beyond this distance there is no light.
+        range: f32,
+        /// Full intensity inside, radians from the axis.
+        inner_cone_rad: f32,
+        /// None outside, radians from the axis.
+        outer_cone_rad: f32,
+    },
+}

@@ -1,0 +1,343 @@
+//! The validated scene.
+
+use glam::{Affine3A, Vec3};
+
+use crate::{
+    SceneError,
+    camera::{Camera, CameraKey, CameraMotion, Lens},
+    model::{AlphaMode, Interpolation, Keys, Mesh, SceneParts, Track, Transform},
+    texture::Sampler,
+};
+
+/// A scene that has been validated once: every index is in range, every number finite, every parent before its children. Immutable.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    parts: SceneParts,
+    /// Bounds of everything at time zero, for cameras and orbits: centre and radius.
+    bounds: (Vec3, f32),
+    /// One a texture.
+    samplers: Vec<Sampler>,
+}
+
+/// Which camera to look through (`--camera`).
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum CameraChoice {
+    /// The scene's first, or a three-quarter view where it has none.
+    #[default]
+    Default,
+    /// A circle around the middle of the scene, starting from the default view.
+    Orbit,
+    /// By name; built-in scenes have `static` and `path`, and every scene has a `static` one: its default camera at time zero.
+    Named(String),
+}
+
+/// Vertical field of view of the view that is made up where a scene has no camera: that of a 50 mm lens would be 27°; a little wider
+/// shows more of the form.
+const FALLBACK_YFOV_RAD: f32 = 0.6;
+/// Time of one turn of `--camera orbit`.
+const ORBIT_PERIOD_SECS: f32 = 12.0;
+
+impl Scene {
+    /// Validates the parts.
+    ///
+    /// # Errors
+    /// [`SceneError::Invalid`] names the first part that is wrong.
+    pub fn new(parts: SceneParts) -> Result<Self, SceneError> {
+        validate(&parts)
+            .map_err(|(place, problem)| SceneError::Invalid { scene: parts.name.clone(), place, problem })?;
+        let bounds = bounds_at_rest(&parts);
+        let samplers = parts.textures.iter().map(Sampler::new).collect();
+        Ok(Self { parts, bounds, samplers })
+    }
+
+    pub(crate) fn samplers(&self) -> &[Sampler] {
+        &self.samplers
+    }
+
+    /// The parts, to read.
+    #[must_use]
+    pub fn parts(&self) -> &SceneParts {
+        &self.parts
+    }
+
+    /// Name for reports.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.parts.name
+    }
+
+    /// Centre and radius of a sphere around everything at rest.
+    #[must_use]
+    pub fn bounding_sphere(&self) -> (Vec3, f32) {
+        self.bounds
+    }
+
+    /// The same scene with every material's opacity set to `alpha`, 0 to 1: opaque surfaces become that transparent, blended ones take it
+    /// in place of their own factor (texture alpha stays), alpha-tested ones keep their cut-outs.
+    #[must_use]
+    pub fn with_alpha(mut self, alpha: f32) -> Self {
+        for material in &mut self.parts.materials {
+            material.opacity = alpha.clamp(0.0, 1.0);
+            if material.alpha_mode == AlphaMode::Blend {
+                material.base_colour.w = 1.0;
+            }
+        }
+        self
+    }
+
+    /// Resolves a camera choice to a camera.
+    ///
+    /// # Errors
+    /// [`SceneError::NoCamera`] lists the cameras there are.
+    pub fn camera(&self, choice: &CameraChoice) -> Result<Camera, SceneError> {
+        match choice {
+            CameraChoice::Default => Ok(self.default_camera()),
+            CameraChoice::Orbit => {
+                let start = self.default_camera();
+                let pose = crate::frame::camera_pose(self, &start, 0.0);
+                let (centre, radius) = self.bounds;
+                // Orbit what the default view looks at: the point on its axis nearest to the middle of the scene.
+                let along = (centre - pose.eye()).dot(pose.forward()).max(0.1 * radius);
+                let target = pose.eye() + pose.forward() * along;
+                let motion =
+                    CameraMotion::Orbit { target, eye: pose.eye(), period_secs: ORBIT_PERIOD_SECS };
+                Ok(Camera { name: "orbit".to_owned(), lens: pose.lens, motion })
+            }
+            CameraChoice::Named(name) => {
+                if let Some(camera) = self.parts.cameras.iter().find(|camera| camera.name == *name) {
+                    return Ok(camera.clone());
+                }
+                if name == "static" {
+                    let mut camera = self.default_camera();
+                    let pose = crate::frame::camera_pose(self, &camera, 0.0);
+                    let (eye, target) = (pose.eye(), pose.eye() + pose.forward());
+                    camera.motion =
+                        CameraMotion::Path { keys: vec![CameraKey { time_secs: 0.0, eye, target }] };
+                    return Ok(camera);
+                }
+                let names = self.parts.cameras.iter().map(|camera| camera.name.as_str());
+                let available = names.chain(["static", "orbit"]).collect::<Vec<_>>().join(", ");
+                Err(SceneError::NoCamera { scene: self.parts.name.clone(), wanted: name.clone(), available })
+            }
+        }
+    }
+
+    fn default_camera(&self) -> Camera {
+        self.parts.cameras.first().cloned().unwrap_or_else(|| {
+            let (centre, radius) = self.bounds;
+            let distance = 1.02 * radius / (0.5 * FALLBACK_YFOV_RAD).sin();
+            let direction = Vec3::new(0.55, 0.42, 1.0).normalize();
+            Camera::fixed("static", FALLBACK_YFOV_RAD, centre + direction * distance, centre)
+        })
+    }
+}
+
+/// A place in the scene and what is wrong there.
+type Fault = (String, String);
+
+fn check(holds: bool, place: impl FnOnce() -> String, problem: &str) -> Result<(), Fault> {
+    if holds { Ok(()) } else { Err((place(), problem.to_owned())) }
+}
+
+fn validate(parts: &SceneParts) -> Result<(), Fault> {
+    validate_nodes(parts)?;
+    validate_materials(parts)?;
+    for (index, mesh) in parts.meshes.iter().enumerate() {
+        validate_mesh(mesh, parts).map_err(|problem| (format!("mesh {index} '{}'", mesh.name), problem))?;
+    }
+    validate_instances(parts)?;
+    validate_animations(parts)?;
+    validate_particles(parts)?;
+    validate_view(parts)
+}
+
+fn validate_nodes(parts: &SceneParts) -> Result<(), Fault> {
+    for (index, node) in parts.nodes.iter().enumerate() {
+        let place = || format!("node {index} '{}'", node.name);
+        let parent_first = node.parent.is_none_or(|parent| (parent as usize) < index);
+        check(parent_first, place, "its parent does not stand before it")?;
+        check(node.transform.to_affine().is_finite(), place, "its transform is not finite")?;
+    }
+    for (index, skin) in parts.skins.iter().enumerate() {
+        let place = || format!("skin {index} '{}'", skin.name);
+        let joints_exist = skin.joints.iter().all(|&joint| (joint as usize) < parts.nodes.len());
+        check(joints_exist, place, "a joint is not a node")?;
+        check(skin.joints.len() == skin.inverse_bind.len(), place, "joints and inverse bind matrices differ in number")?;
+        check(skin.inverse_bind.iter().all(Affine3A::is_finite), place, "an inverse bind matrix is not finite")?;
+    }
+    Ok(())
+}
+
+fn validate_materials(parts: &SceneParts) -> Result<(), Fault> {
+    for (index, texture) in parts.textures.iter().enumerate() {
+        let place = || format!("texture {index} '{}'", texture.name);
+        check(texture.image.width() > 0 && texture.image.height() > 0, place, "its image is empty")?;
+    }
+    for (index, material) in parts.materials.iter().enumerate() {
+        let place = || format!("material {index} '{}'", material.name);
+        let textures = [
+            material.base_colour_texture,
+            material.metallic_roughness_texture,
+            material.normal_texture,
+            material.occlusion_texture,
+            material.emissive_texture,
+        ];
+        let exist = textures.iter().flatten().all(|used| (used.texture as usize) < parts.textures.len());
+        check(exist, place, "it uses a texture that is not there")?;
+        let finite = material.base_colour.is_finite() && material.emissive.is_finite();
+        check(finite, place, "a factor is not finite")?;
+        let ranged = [material.opacity, material.metallic, material.roughness, material.base_colour.w];
+        check(ranged.iter().all(|value| (0.0..=1.0).contains(value)), place, "a factor is not in [0, 1]")?;
+    }
+    Ok(())
+}
+
+fn validate_mesh(mesh: &Mesh, parts: &SceneParts) -> Result<(), String> {
+    let vertex_count = mesh.positions.len();
+    let fits = |length: usize| length == 0 || length == vertex_count;
+    let say = |holds: bool, problem: &str| if holds { Ok(()) } else { Err(problem.to_owned()) };
+    say((mesh.material as usize) < parts.materials.len(), "its material is not there")?;
+    say(mesh.positions.iter().all(|position| position.is_finite()), "a position is not finite")?;
+    say(fits(mesh.normals.len()), "normals and positions differ in number")?;
+    say(fits(mesh.tangents.len()), "tangents and positions differ in number")?;
+    say(fits(mesh.colours.len()), "colours and positions differ in number")?;
+    say(mesh.uv_sets.iter().all(|set| set.len() == vertex_count), "a texture coordinate set is too short or long")?;
+    let in_range = mesh.indices.iter().flatten().all(|&index| (index as usize) < vertex_count);
+    say(in_range, "an index is out of range")?;
+    let influence_count = vertex_count.checked_mul(mesh.influences_per_vertex);
+    say(influence_count == Some(mesh.influences.len()), "joint influences and positions differ in number")?;
+    for target in &mesh.morph_targets {
+        say(fits(target.positions.len()) && fits(target.normals.len()), "a morph target is too short or long")?;
+        let finite = target.positions.iter().chain(&target.normals).all(|delta| delta.is_finite());
+        say(finite, "a morph displacement is not finite")?;
+    }
+    Ok(())
+}
+
+fn validate_instances(parts: &SceneParts) -> Result<(), Fault> {
+    for (index, instance) in parts.instances.iter().enumerate() {
+        let place = || format!("instance {index}");
+        check((instance.node as usize) < parts.nodes.len(), place, "its node is not there")?;
+        let mesh = parts.meshes.get(instance.mesh as usize);
+        let mesh = mesh.ok_or_else(|| (place(), "its mesh is not there".to_owned()))?;
+        check(instance.node_from_object.is_finite(), place, "its transform is not finite")?;
+        let weights_fit = instance.morph_weights.len() == mesh.morph_targets.len();
+        check(weights_fit, place, "morph weights and targets differ in number")?;
+        if let Some(skin) = instance.skin {
+            let skin = parts.skins.get(skin as usize);
+            let skin = skin.ok_or_else(|| (place(), "its skin is not there".to_owned()))?;
+            let joints_exist =
+                mesh.influences.iter().all(|influence| usize::from(influence.joint) < skin.joints.len());
+            check(joints_exist, place, "a vertex refers to a joint that its skin does not have")?;
+        }
+    }
+    Ok(())
+}
+
+fn validate_animations(parts: &SceneParts) -> Result<(), Fault> {
+    fn keys_hold<T>(keys: &Keys<T>) -> bool {
+        let times = &keys.times_secs;
+        let values = match keys.interpolation {
+            Interpolation::CubicSpline => 3 * times.len(),
+            _ => times.len(),
+        };
+        !times.is_empty()
+            && keys.values.len() == values
+            && times.iter().all(|time| time.is_finite())
+            && times.windows(2).all(|pair| pair[0] < pair[1])
+    }
+    for (index, animation) in parts.animations.iter().enumerate() {
+        for (number, channel) in animation.channels.iter().enumerate() {
+            let place = || format!("animation {index} '{}', channel {number}", animation.name);
+            let node = parts.nodes.get(channel.node as usize);
+            let node = node.ok_or_else(|| (place(), "its node is not there".to_owned()))?;
+            let (whole, moves) = match &channel.track {
+                Track::Translation(keys) | Track::Scale(keys) => (keys_hold(keys), true),
+                Track::Rotation(keys) => (keys_hold(keys), true),
+                Track::MorphWeights(keys) => (keys_hold(keys), false),
+            };
+            check(whole, place, "its keys are not in order, or too few or many values belong to them")?;
+            let is_trs = matches!(node.transform, Transform::Trs { .. });
+            check(!moves || is_trs, place, "its node has a matrix, which cannot be animated")?;
+            if let Track::MorphWeights(keys) = &channel.track {
+                let targets = parts.instances.iter().filter(|instance| instance.node == channel.node);
+                let fits =
+                    |count: usize| keys.values.iter().all(|weights| weights.len() == count);
+                let fit = targets.map(|instance| instance.morph_weights.len()).all(fits);
+                check(fit, place, "its weights and the mesh's morph targets differ in number")?;
+            }
+        }
+    }
+    Ok(())
+}
+
+fn validate_particles(parts: &SceneParts) -> Result<(), Fault> {
+    for (index, system) in parts.particles.iter().enumerate() {
+        let place = || format!("particle system {index} '{}'", system.name);
+        check((system.material as usize) < parts.materials.len(), place, "its material is not there")?;
+        check(system.atlas.iter().all(|&tiles| tiles > 0), place, "its atlas has no tiles")?;
+        check(system.loop_secs.is_none_or(|secs| secs > 0.0), place, "its loop is not longer than nothing")?;
+        let stirred = system.turbulence.amplitude == 0.0 || system.turbulence.scale > 0.0;
+        check(stirred, place, "its turbulence has no scale")?;
+        for particle in &system.particles {
+            let finite = particle.origin.is_finite()
+                && particle.velocity.is_finite()
+                && particle.acceleration.is_finite()
+                && particle.half_size.iter().all(|size| size.is_finite() && *size >= 0.0);
+            check(finite, place, "a particle's motion or size is not finite")?;
+            check((0.0..=1.0).contains(&particle.alpha), place, "a particle's alpha is not in [0, 1]")?;
+            let lives = particle.lifetime_secs > 0.0
+                && (particle.lifetime_secs.is_finite() || (system.fade == [0.0; 2] && system.loop_secs.is_none()));
+            check(lives, place, "a particle's lifetime is not positive, or endless with a fade or a loop")?;
+        }
+    }
+    Ok(())
+}
+
+fn validate_view(parts: &SceneParts) -> Result<(), Fault> {
+    for (index, light) in parts.lights.iter().enumerate() {
+        let place = || format!("light {index} '{}'", light.name);
+        check((light.node as usize) < parts.nodes.len(), place, "its node is not there")?;
+        check(light.intensity.is_finite(), place, "its intensity is not finite")?;
+    }
+    for (index, camera) in parts.cameras.iter().enumerate() {
+        let place = || format!("camera {index} '{}'", camera.name);
+        let sees = match camera.lens {
+            Lens::Perspective { yfov_rad } => yfov_rad > 0.0 && yfov_rad < std::f32::consts::PI,
+            Lens::Orthographic { half_height } => half_height > 0.0 && half_height.is_finite(),
+        };
+        check(sees, place, "its field of view is empty or too wide")?;
+        match &camera.motion {
+            CameraMotion::Node(node) => {
+                check((*node as usize) < parts.nodes.len(), place, "its node is not there")?;
+            }
+            CameraMotion::Path { keys } => {
+                let in_order = keys.windows(2).all(|pair| pair[0].time_secs < pair[1].time_secs);
+                check(!keys.is_empty() && in_order, place, "its path has no keys, or they are not in order")?;
+            }
+            CameraMotion::Orbit { period_secs, .. } => {
+                check(*period_secs > 0.0, place, "its orbit takes no time")?;
+            }
+        }
+    }
+    check(parts.exposure > 0.0 && parts.exposure.is_finite(), || "exposure".to_owned(), "it is not positive")
+}
+
+/// Sphere around all meshes at rest and all particles at birth; the unit sphere if there is nothing.
+fn bounds_at_rest(parts: &SceneParts) -> (Vec3, f32) {
+    let mut low = Vec3::INFINITY;
+    let mut high = Vec3::NEG_INFINITY;
+    let mut grow = |point: Vec3| {
+        low = low.min(point);
+        high = high.max(point);
+    };
+    crate::frame::for_each_vertex_at_rest(parts, &mut grow);
+    for particle in parts.particles.iter().flat_map(|system| &system.particles) {
+        grow(particle.origin);
+    }
+    if low.x > high.x {
+        return (Vec3::ZERO, 1.0);
+    }
+    let radius = 0.5 * (high - low).length();
+    (0.5 * (low + high), radius.max(1e-6))
+}
