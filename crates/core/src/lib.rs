@@ -1,3 +1,6 @@
 //! Words every Sheer crate speaks: colour, hashes, threshold maps, blue noise.
 
+pub mod blue_noise;
 pub mod colour;
+pub mod hash;
+pub mod threshold_map;
