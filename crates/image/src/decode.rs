@@ -30,9 +30,15 @@ const FORMATS: &str = "PNG, JPEG or WebP";
 /// `name` says in messages what the bytes are, such as a file name.
 ///
 /// # Errors
-/// [`ImageError::TooLarge`] before anything large is allocated, or [`ImageError::Decode`].
+/// [`ImageError::TooLarge`] before anything large is allocated, [`ImageError::TooMuchMemory`], or [`ImageError::Decode`].
 pub fn decode_texture(bytes: &[u8], name: &str, limits: TextureLimits) -> Result<Image<[u8; 4]>, ImageError> {
     let failed = |reason: String| ImageError::Decode { what: name.to_owned(), reason, formats: FORMATS };
+    let refused = |error| match error {
+        image::ImageError::Limits(_) => {
+            ImageError::TooMuchMemory { what: name.to_owned(), max_bytes: limits.max_bytes }
+        }
+        other => failed(other.to_string()),
+    };
 
     // The header tells the size.
     let mut reader = ImageReader::new(Cursor::new(bytes))
@@ -47,7 +53,7 @@ pub fn decode_texture(bytes: &[u8], name: &str, limits: TextureLimits) -> Result
     let mut decoder_limits = image::Limits::default();
     decoder_limits.max_alloc = Some(limits.max_bytes);
     reader.limits(decoder_limits);
-    let decoder = reader.into_decoder().map_err(|error| failed(error.to_string()))?;
+    let decoder = reader.into_decoder().map_err(refused)?;
     let (width, height) = decoder.dimensions();
     let colour_type = decoder.color_type();
 
@@ -76,7 +82,7 @@ pub fn decode_texture(bytes: &[u8], name: &str, limits: TextureLimits) -> Result
         samples.resize(decoded_bytes as usize, 0_u8);
         decoder.read_image(&mut samples).map(|()| convert_to_rgba8(&samples, colour_type, target))
     };
-    decoded.map_err(|error| failed(error.to_string()))?;
+    decoded.map_err(refused)?;
     Ok(image)
 }
 
@@ -99,5 +105,121 @@ fn convert_to_rgba8(samples: &[u8], colour_type: ColorType, target: &mut [[u8; 4
             3 => [at(0), at(1), at(2), 255],
             _ => [at(0), at(1), at(2), at(3)],
         };
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Metadata, encode_png};
+
+    fn decode(bytes: &[u8]) -> Result<Image<[u8; 4]>, ImageError> {
+        decode_texture(bytes, "leaf texture", TextureLimits::default())
+    }
+
+    /// `samples` as a 2×1 PNG of the given kind.
+    fn small_png(colour: png::ColorType, depth: png::BitDepth, samples: &[u8]) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        let mut encoder = png::Encoder::new(&mut bytes, 2, 1);
+        encoder.set_color(colour);
+        encoder.set_depth(depth);
+        encoder.write_header().unwrap().write_image_data(samples).unwrap();
+        bytes
+    }
+
+    /// A PNG whose header claims a size and whose data end there.
+    fn claiming_png(width: u32, height: u32) -> Vec<u8> {
+        let mut header = b"IHDR".to_vec();
+        header.extend(width.to_be_bytes());
+        header.extend(height.to_be_bytes());
+        header.extend([8, 6, 0, 0, 0]);
+        let crc = header.iter().fold(u32::MAX, |crc, &byte| {
+            (0..8).fold(crc ^ u32::from(byte), |crc, _| crc >> 1 ^ if crc & 1 == 1 { 0xedb8_8320 } else { 0 })
+        });
+        let mut bytes = b"\x89PNG\r\n\x1a\n\0\0\0\x0d".to_vec();
+        bytes.extend(header);
+        bytes.extend((!crc).to_be_bytes());
+        bytes.extend(b"\0\0\0\0IDAT\x35\xaf\x06\x1e");
+        bytes
+    }
+
+    #[test]
+    fn grey_palette_alpha_and_sixteen_bits_become_rgba8() {
+        use png::BitDepth::{Eight, Sixteen};
+        use png::ColorType::{Grayscale, GrayscaleAlpha, Rgb, Rgba};
+        let cases: [(_, _, &[u8], [[u8; 4]; 2]); 6] = [
+            (Grayscale, Eight, &[7, 200], [[7, 7, 7, 255], [200, 200, 200, 255]]),
+            (GrayscaleAlpha, Eight, &[7, 0, 200, 128], [[7, 7, 7, 0], [200, 200, 200, 128]]),
+            (Rgb, Eight, &[1, 2, 3, 4, 5, 6], [[1, 2, 3, 255], [4, 5, 6, 255]]),
+            (Rgba, Eight, &[1, 2, 3, 4, 5, 6, 7, 8], [[1, 2, 3, 4], [5, 6, 7, 8]]),
+            // 0x0180 = 384 is 1.494 steps of 257; 0xff7f rounds down to 254, 0xff80 up to 255.
+            (Grayscale, Sixteen, &[0x01, 0x80, 0xff, 0xff], [[1, 1, 1, 255], [255; 4]]),
+            (
+                GrayscaleAlpha,
+                Sixteen,
+                &[0, 0, 0xff, 0x7e, 0, 0, 0xff, 0x80],
+                [[0, 0, 0, 254], [0, 0, 0, 255]],
+            ),
+        ];
+        for (colour, depth, samples, expected) in cases {
+            let image = decode(&small_png(colour, depth, samples)).unwrap();
+            assert_eq!(image.as_slice(), expected, "{colour:?} {depth:?}");
+        }
+    }
+
+    #[test]
+    fn jpeg_and_webp_are_read_too() {
+        let picture = image::RgbImage::from_fn(16, 8, |x, _| image::Rgb([if x < 8 { 0 } else { 255 }, 0, 0]));
+        for format in [ImageFormat::Jpeg, ImageFormat::WebP] {
+            let mut bytes = Cursor::new(Vec::new());
+            picture.write_to(&mut bytes, format).unwrap();
+            let read = decode(bytes.get_ref()).unwrap();
+            assert_eq!(read.size(), (16, 8));
+            // Eight pixels are a block of JPEG, so that its loss stays small.
+            assert!(read[(2, 4)][0] < 10 && read[(13, 4)][0] > 245, "{format:?}");
+            assert_eq!(read[(13, 4)][3], 255);
+        }
+    }
+
+    #[test]
+    fn images_that_claim_too_much_are_refused_before_they_are_decoded() {
+        let error = |width, height| decode(&claiming_png(width, height)).unwrap_err();
+        for (width, height) in [(40_000, 1), (1, 16_385), (16_384, 16_385)] {
+            let error = error(width, height);
+            assert!(matches!(error, ImageError::TooLarge { .. }), "{width}x{height}: {error}");
+            let message = error.to_string();
+            assert!(message.contains("leaf texture") && message.contains(&width.to_string()), "{message}");
+        }
+        assert!(matches!(error(2_000_000_000, 2_000_000_000), ImageError::TooMuchMemory { .. }));
+        // Within the limits it is the missing data that is noticed.
+        assert!(matches!(error(16_384, 1024), ImageError::Decode { .. }));
+    }
+
+    #[test]
+    fn limits_count_the_memory_of_the_conversion() {
+        let rgba = encode_png(&Image::filled(64, 64, [9; 4]).unwrap(), &Metadata::default()).unwrap();
+        let within =
+            |max_bytes| decode_texture(&rgba, "t", TextureLimits { max_bytes, max_side_px: 64 }).is_ok();
+        assert!(within(64 * 64 * 4) && !within(64 * 64 * 4 - 1));
+        let side = TextureLimits { max_side_px: 63, ..TextureLimits::default() };
+        assert!(matches!(decode_texture(&rgba, "t", side), Err(ImageError::TooLarge { .. })));
+        let grey = small_png(png::ColorType::Grayscale, png::BitDepth::Eight, &[1, 2]);
+        let within =
+            |max_bytes| decode_texture(&grey, "t", TextureLimits { max_bytes, max_side_px: 64 }).is_ok();
+        assert!(!within(2 * 4), "the grey samples and their RGBA copy live side by side");
+    }
+
+    #[test]
+    fn broken_bytes_are_errors_that_name_the_texture() {
+        let whole = encode_png(&Image::filled(64, 64, [9, 8, 7, 6]).unwrap(), &Metadata::default()).unwrap();
+        let mut damaged = whole.clone();
+        let data_at = whole.windows(4).position(|window| window == b"IDAT").unwrap() + 4;
+        damaged[data_at + 4] ^= 0xff;
+        for bytes in
+            [&whole[..whole.len() / 2], &whole[..20], b"", b"no image", b"GIF89a\x01\x00\x01\x00", &damaged]
+        {
+            let message = decode(bytes).unwrap_err().to_string();
+            assert!(message.contains("leaf texture") && message.contains("PNG, JPEG or WebP"), "{message}");
+        }
     }
 }

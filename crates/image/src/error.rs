@@ -101,7 +101,7 @@ pub enum ImageError {
         /// The formats that would be understood.
         formats: &'static str,
     },
-    /// An image that would take more memory than allowed when decoded.
+    /// An image whose sides or decoded pixels are above the limits.
     #[error(
         "{what} holds {width}x{height} pixels, above the limit of {max_side_px} pixels a side and {max_bytes} bytes: scale it down"
     )]
@@ -114,6 +114,16 @@ pub enum ImageError {
         height: u64,
         /// The longest side allowed, in pixels.
         max_side_px: u32,
+        /// The most memory that decoding may take.
+        max_bytes: u64,
+    },
+    /// An image that the decoder gave up on when it reached the memory limit.
+    #[error(
+        "{what} takes more than the limit of {max_bytes} bytes to decode: scale it down or drop its embedded metadata"
+    )]
+    TooMuchMemory {
+        /// The file, or what the bytes were meant to be.
+        what: String,
         /// The most memory that decoding may take.
         max_bytes: u64,
     },

@@ -185,3 +185,116 @@ fn check_claimed_size(bytes: &[u8], what: &str) -> Result<(), ImageError> {
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Image, Pixel};
+
+    fn frame() -> Planes {
+        let mut planes = Planes::new(5, 3).unwrap();
+        for (x, y) in [(0, 0), (4, 0), (2, 2)] {
+            let seed = (10 * y + x) as f32;
+            planes.colour[(x, y)] = [0.1 + seed, 1e-9, 70_000.0, 0.5];
+            planes.depth[(x, y)] = 3.0 + seed;
+            planes.motion[(x, y)] = [-1.5, 0.25 * seed];
+            planes.instance[(x, y)] = x;
+            planes.primitive[(x, y)] = 3_000_000_000 + y;
+        }
+        planes
+    }
+
+    fn metadata() -> Metadata {
+        Metadata::default()
+            .with("commit", "0c6fd8b")
+            .with("seed", 7)
+            .with("scene", "fenêtre")
+            .with("method", "std")
+    }
+
+    #[test]
+    fn a_frame_survives_a_round_trip_bit_for_bit() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("frame.exr");
+        write_exr(&path, &frame(), &metadata()).unwrap();
+        assert_eq!(read_exr(&path).unwrap(), frame());
+        assert_eq!(read_exr(&path).unwrap().pixel(1, 1), Pixel::EMPTY);
+    }
+
+    #[test]
+    fn other_readers_see_these_channels_types_and_attributes() {
+        let bytes = encode_exr(&frame(), &metadata()).unwrap();
+        let meta = exr::meta::MetaData::read_from_buffered(Cursor::new(&bytes), true).unwrap();
+        assert_eq!(meta.headers.len(), 1, "one part");
+        let header = &meta.headers[0];
+        let channels: Vec<_> = header
+            .channels
+            .list
+            .iter()
+            .map(|channel| (channel.name.to_string(), format!("{:?}", channel.sample_type)))
+            .collect();
+        let names = ["A", "B", "G", "R", "depth.Z", "instance.ID", "motion.X", "motion.Y", "primitive.ID"];
+        let expected =
+            names.map(|name| (name.to_owned(), if name.ends_with("ID") { "U32" } else { "F32" }.to_owned()));
+        assert_eq!(channels, expected);
+        assert_eq!(header.own_attributes.layer_name, None);
+        let attribute = |key: &str| match header.own_attributes.other.get(&Text::from(key)) {
+            Some(AttributeValue::Text(text)) => String::from_utf8(text.as_slice().to_vec()).unwrap(),
+            other => panic!("{key}: {other:?}"),
+        };
+        assert_eq!(attribute("sheer.commit"), "0c6fd8b");
+        assert_eq!(attribute("sheer.seed"), "7");
+        assert_eq!(attribute("sheer.scene"), "fenêtre");
+        assert_eq!(attribute("sheer.method"), "std");
+    }
+
+    #[test]
+    fn the_same_frame_gives_the_same_bytes() {
+        let first = encode_exr(&frame(), &metadata()).unwrap();
+        assert!((0..20).all(|_| encode_exr(&frame(), &metadata()).unwrap() == first));
+        let position = |key: &str| first.windows(key.len()).position(|window| window == key.as_bytes());
+        assert!(position("sheer.commit") < position("sheer.method") && position("sheer.seed").is_some());
+    }
+
+    #[test]
+    fn unfit_frames_and_files_are_errors() {
+        let mut uneven = frame();
+        uneven.depth = Image::filled(5, 2, 0.0).unwrap();
+        assert!(matches!(encode_exr(&uneven, &metadata()), Err(ImageError::SizesDiffer { .. })));
+
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("broken.exr");
+        let whole = encode_exr(&frame(), &metadata()).unwrap();
+        for bytes in [&whole[..whole.len() / 2], &whole[..30], b"no image"] {
+            std::fs::write(&path, bytes).unwrap();
+            let message = read_exr(&path).unwrap_err().to_string();
+            assert!(message.contains("broken.exr"), "{message}");
+        }
+        assert!(read_exr(&folder.path().join("absent.exr")).unwrap_err().to_string().contains("absent.exr"));
+    }
+
+    #[test]
+    fn a_file_without_colour_says_what_is_missing() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("grey.exr");
+        let channel = AnyChannel::new("Y", FlatSamples::F32(vec![0.5; 4]));
+        let channels = AnyChannels::sort([channel].into_iter().collect());
+        let layer = Layer::new(Vec2(2, 2), LayerAttributes::default(), Encoding::UNCOMPRESSED, channels);
+        exr::image::Image::from_layer(layer).write().to_file(&path).unwrap();
+        let message = read_exr(&path).unwrap_err().to_string();
+        assert!(message.contains("channel R is missing"), "{message}");
+    }
+
+    #[test]
+    fn a_file_that_claims_too_many_pixels_is_refused() {
+        let mut bytes = encode_exr(&frame(), &metadata()).unwrap();
+        // The last corner of the data window, inclusive, follows the first one.
+        let key = b"dataWindow\0box2i\0";
+        let at = bytes.windows(key.len()).position(|window| window == key).unwrap() + key.len() + 4 + 8;
+        bytes[at..at + 8].copy_from_slice(&[0x3f, 0x42, 0x0f, 0, 0x3f, 0x42, 0x0f, 0]);
+        assert!(matches!(
+            check_claimed_size(&bytes, "huge.exr"),
+            Err(ImageError::TooLarge { width: 1_000_000, height: 1_000_000, .. })
+        ));
+    }
+}
