@@ -1,0 +1,195 @@
+//! The tree as callers see it: build, rebuild what moves, and the four questions a ray can ask.
+
+use std::fmt;
+
+use glam::Vec3;
+
+use crate::build::{self, Part};
+use crate::node::{Block, Child, Node};
+use crate::simd::{SimdPath, SupportedPath};
+use crate::{AccelError, Hit, Ray, Stats, validate};
+
+/// A tree over triangles. Queries take `&self` and may run on any number of threads.
+///
+/// Ignored, and so never hit: triangles with a coordinate that is not finite or above 1e12 in magnitude,
+/// triangles with two equal vertices, and those from index 2^30 on.
+#[derive(Clone)]
+pub struct Bvh {
+    /// Static part, then the part that moves, then the nodes that join the two.
+    nodes: Vec<Node>,
+    /// Static part, then the part that moves.
+    blocks: Vec<Block>,
+    whole: Option<Part>,
+    kept: Kept,
+    path: SupportedPath,
+}
+
+/// The part of a tree that [`Bvh::rebuild_after`] keeps.
+#[derive(Clone)]
+struct Kept {
+    triangle_count: usize,
+    node_count: usize,
+    block_count: usize,
+    part: Option<Part>,
+}
+
+/// What a traversal reads.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Tree<'a> {
+    pub(crate) nodes: &'a [Node],
+    pub(crate) blocks: &'a [Block],
+    /// None without triangles.
+    pub(crate) root: Option<Child>,
+    pub(crate) lower: Vec3,
+    pub(crate) upper: Vec3,
+}
+
+impl Bvh {
+    /// Builds a tree on the threads of the current rayon pool; their number does not change it.
+    /// [`Hit::triangle`] indexes `triangles`.
+    pub fn build(triangles: &[[Vec3; 3]]) -> Self {
+        let mut bvh = Self {
+            nodes: Vec::new(),
+            blocks: Vec::new(),
+            whole: None,
+            kept: Kept { triangle_count: 0, node_count: 0, block_count: 0, part: None },
+            path: SupportedPath::detect(),
+        };
+        bvh.rebuild_after(triangles.len(), triangles);
+        bvh
+    }
+
+    /// Builds the tree again over `triangles`, of which the first `static_count` have not changed since the
+    /// last call with the same `static_count` (or since [`Bvh::build`] with that many): their part of the
+    /// tree is kept, the rest is new. An animated scene pays for what moves.
+    ///
+    /// The two parts are joined near their roots by the same heuristic that built them, so that a ray
+    /// still visits near geometry first, whichever part it is in.
+    pub fn rebuild_after(&mut self, static_count: usize, triangles: &[[Vec3; 3]]) {
+        let static_count = static_count.min(triangles.len());
+        if static_count != self.kept.triangle_count {
+            self.nodes.clear();
+            self.blocks.clear();
+            let part = build::build(triangles, 0..static_count, &mut self.nodes, &mut self.blocks);
+            self.kept = Kept {
+                triangle_count: static_count,
+                node_count: self.nodes.len(),
+                block_count: self.blocks.len(),
+                part,
+            };
+        }
+        self.nodes.truncate(self.kept.node_count);
+        self.blocks.truncate(self.kept.block_count);
+        let moving =
+            build::build(triangles, static_count..triangles.len(), &mut self.nodes, &mut self.blocks);
+        self.whole = match (self.kept.part, moving) {
+            (Some(kept), Some(moving)) => Some(build::join(kept, moving, &mut self.nodes)),
+            (kept, moving) => kept.or(moving),
+        };
+    }
+
+    /// Visits every hit inside `[t_min, t_max]`, in no promised order except that near boxes come first.
+    /// `visit` returns the new `t_max`; one above the current has no effect, `f32::NEG_INFINITY` stops.
+    /// No triangle is visited twice.
+    ///
+    /// The closure is compiled into the traversal, once for each SIMD path.
+    #[inline]
+    pub fn traverse(&self, ray: &Ray, visit: impl FnMut(Hit) -> f32) {
+        self.path.traverse(self.tree(), ray, visit);
+    }
+
+    /// The nearest hit that `accept` takes. Of hits at equal `t` the lowest triangle index wins, whatever
+    /// the shape of the tree. `accept` sees each triangle at most once, and not all that the ray meets.
+    #[inline]
+    pub fn closest(&self, ray: &Ray, mut accept: impl FnMut(&Hit) -> bool) -> Option<Hit> {
+        let mut closest: Option<Hit> = None;
+        let mut t_max = ray.t_max;
+        self.traverse(ray, |hit| {
+            let first = closest.is_none_or(|best| hit.t < best.t || hit.triangle < best.triangle);
+            if first && accept(&hit) {
+                closest = Some(hit);
+                t_max = hit.t;
+            }
+            t_max
+        });
+        closest
+    }
+
+    /// Whether `accept` takes a hit. It sees each triangle at most once, until it takes one.
+    #[inline]
+    pub fn any(&self, ray: &Ray, mut accept: impl FnMut(&Hit) -> bool) -> bool {
+        let mut found = false;
+        self.traverse(ray, |hit| {
+            found = accept(&hit);
+            if found { f32::NEG_INFINITY } else { ray.t_max }
+        });
+        found
+    }
+
+    /// Replaces the content of `hits` by every hit, unsorted; hits at equal depths are all there.
+    #[inline]
+    pub fn all(&self, ray: &Ray, hits: &mut Vec<Hit>) {
+        hits.clear();
+        self.traverse(ray, |hit| {
+            hits.push(hit);
+            ray.t_max
+        });
+    }
+
+    /// Checks the tree against the triangles it was built from: each one that is not ignored in exactly one
+    /// leaf, each box around what lies below it, no NaN, no broken link.
+    ///
+    /// # Errors
+    /// The first fault found.
+    pub fn validate(&self, triangles: &[[Vec3; 3]]) -> Result<Stats, AccelError> {
+        validate::validate(self.tree(), triangles)
+    }
+
+    /// The instructions that queries use.
+    pub fn path(&self) -> SimdPath {
+        self.path.get()
+    }
+
+    /// The same tree on another path, for tests and benchmarks; `build` has chosen the fastest.
+    ///
+    /// # Errors
+    /// [`AccelError::UnsupportedPath`] when this processor lacks it.
+    pub fn with_path(self, path: SimdPath) -> Result<Self, AccelError> {
+        let path = SupportedPath::new(path).ok_or(AccelError::UnsupportedPath(path))?;
+        Ok(Self { path, ..self })
+    }
+
+    pub(crate) fn tree(&self) -> Tree<'_> {
+        let (lower, upper) = self.whole.map_or((Vec3::ZERO, Vec3::ZERO), |part| part.bounds.corners());
+        Tree {
+            nodes: &self.nodes,
+            blocks: &self.blocks,
+            root: self.whole.map(|part| part.root),
+            lower,
+            upper,
+        }
+    }
+}
+
+/// For tests that damage a tree.
+#[cfg(test)]
+impl Bvh {
+    pub(crate) fn nodes_mut(&mut self) -> &mut [Node] {
+        &mut self.nodes
+    }
+
+    pub(crate) fn blocks_mut(&mut self) -> &mut [Block] {
+        &mut self.blocks
+    }
+}
+
+impl fmt::Debug for Bvh {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter
+            .debug_struct("Bvh")
+            .field("nodes", &self.nodes.len())
+            .field("blocks", &self.blocks.len())
+            .field("path", &self.path())
+            .finish_non_exhaustive()
+    }
+}

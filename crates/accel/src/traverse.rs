@@ -1,0 +1,277 @@
+//! The one traversal, written over eight [`Lanes`] and compiled once for each SIMD path.
+
+use glam::Vec3;
+
+use crate::bvh::Tree;
+use crate::node::{Block, Node, WIDTH};
+use crate::simd::{Lanes, Stack};
+use crate::{Hit, Ray};
+
+/// Largest magnitude of a coordinate: areas, and their sums in the build's heuristic, still are an `f32`.
+pub(crate) const COORDINATE_LIMIT: f32 = 1e12;
+
+/// Visits every hit of `ray` whose `t` lies in `[t_min, t_max]` at that time; `visit` returns the new
+/// `t_max`. Sees near boxes first and stops once `t_max < t_min`.
+#[inline(always)]
+pub(crate) fn traverse<L: Lanes>(lanes: L, tree: Tree<'_>, ray: &Ray, mut visit: impl FnMut(Hit) -> f32) {
+    let Some(root) = tree.root else { return };
+    let Some(slabs) = Slabs::new(ray, tree.lower, tree.upper) else { return };
+    let shear = Shear::new(ray);
+    let mut t_max = ray.t_max;
+    let mut stack = Stack::new();
+    stack.push(slabs.t_min, root);
+    while let Some((near, child)) = stack.pop() {
+        if near > t_max {
+            continue;
+        }
+        if !child.is_block() {
+            let node = &tree.nodes[child.index()];
+            let (near, hits) = slabs.enter(lanes, node, t_max);
+            if hits != 0 {
+                lanes.push(&mut stack, near, hits, &node.children);
+            }
+            continue;
+        }
+        let block = &tree.blocks[child.index()];
+        let Some(hits) = shear.hit(lanes, block, slabs.t_min, t_max) else { continue };
+        let mut waiting = hits.lanes;
+        while waiting != 0 {
+            let lane = waiting.trailing_zeros() as usize % WIDTH;
+            waiting &= waiting - 1;
+            let t = hits.t[lane];
+            if t <= t_max {
+                t_max = t_max.min(visit(Hit {
+                    t,
+                    u: hits.u[lane],
+                    v: hits.v[lane],
+                    triangle: block.triangles[lane],
+                    front: hits.front >> lane & 1 != 0,
+                }));
+            }
+        }
+        if t_max < slabs.t_min {
+            return;
+        }
+    }
+}
+
+/// The ray as the box test needs it: widened, so that no box is missed that holds a triangle the
+/// triangle test would hit.
+///
+/// The triangle test moves each vertex by rounding: at most `2 u X + 4 u Z`, with `u` = 2^-24 and X, Z the
+/// distances to the vertex along the axis and along the dominant axis (Woop et al., section 4.2; they
+/// bound it by the root's box as we do). The planes move outwards by that much, and by the rounding of
+/// the moved origin. The rounding of the distances themselves, three operations, and that of a hit's `t`
+/// is covered by [`Slabs::SLACK`] (Ize's factor, section 3, is 1 + 4 u for the former alone).
+struct Slabs {
+    origin_near: [f32; 3],
+    origin_far: [f32; 3],
+    inverse_near: [f32; 3],
+    inverse_far: [f32; 3],
+    /// Rows of [`Node::bounds`] that the ray enters and leaves by.
+    near: [usize; 3],
+    far: [usize; 3],
+    t_min: f32,
+}
+
+impl Slabs {
+    /// Relative slack of box distances: eight roundings.
+    const SLACK: f32 = 1.0 / (1 << 21) as f32;
+    /// Slowest axis relative to the fastest: it moves the ray by less than the planes are moved, and keeps
+    /// its inverse finite.
+    const SLOWEST: f32 = 1e-12;
+
+    /// None for a ray out of the ranges that [`Ray`] names, NaN included.
+    #[inline(always)]
+    fn new(ray: &Ray, lower: Vec3, upper: Vec3) -> Option<Self> {
+        let fastest = ray.direction.abs().max_element();
+        let finite = (ray.origin.abs().cmple(Vec3::splat(COORDINATE_LIMIT))
+            & ray.direction.cmpeq(ray.direction))
+        .all();
+        if !(finite && (1e-18..=1e18).contains(&fastest)) {
+            return None;
+        }
+        let reach = (lower - ray.origin).abs().max((upper - ray.origin).abs());
+        let pad = (reach + reach.max_element()) * (1.0 / (1 << 22) as f32)
+            + ray.origin.abs() * (1.0 / (1 << 23) as f32);
+        let mut slabs = Self {
+            origin_near: [0.0; 3],
+            origin_far: [0.0; 3],
+            inverse_near: [0.0; 3],
+            inverse_far: [0.0; 3],
+            near: [0; 3],
+            far: [0; 3],
+            // The addition turns -0 into +0, whose bits sort below all other distances.
+            t_min: ray.t_min.max(0.0) + 0.0,
+        };
+        let speed = ray.direction.abs().max(Vec3::splat(fastest * Self::SLOWEST));
+        for axis in 0..3 {
+            let backwards = ray.direction[axis] < 0.0;
+            let inverse = if backwards { -1.0 } else { 1.0 } / speed[axis];
+            let pad = if backwards { -pad[axis] } else { pad[axis] };
+            slabs.origin_near[axis] = ray.origin[axis] + pad;
+            slabs.origin_far[axis] = ray.origin[axis] - pad;
+            slabs.inverse_near[axis] = inverse * (1.0 - Self::SLACK);
+            slabs.inverse_far[axis] = inverse * (1.0 + Self::SLACK);
+            slabs.near[axis] = if backwards { axis + 3 } else { axis };
+            slabs.far[axis] = if backwards { axis } else { axis + 3 };
+        }
+        Some(slabs)
+    }
+
+    /// Distances at which the ray enters the children's boxes, and the lanes of the boxes that it passes
+    /// within `[t_min, t_max]`. A NaN, from a ray in the plane of a side, loses against the other operand
+    /// of `max` and `min`: it constrains nothing.
+    #[inline(always)]
+    fn enter<L: Lanes>(&self, lanes: L, node: &Node, t_max: f32) -> (L::F, u32) {
+        let mut near = lanes.splat(self.t_min);
+        let mut far = lanes.splat(t_max);
+        for axis in 0..3 {
+            let planes = lanes.load(&node.bounds[self.near[axis]]);
+            let from_origin = lanes.sub(planes, lanes.splat(self.origin_near[axis]));
+            near = lanes.max(lanes.mul(from_origin, lanes.splat(self.inverse_near[axis])), near);
+            let planes = lanes.load(&node.bounds[self.far[axis]]);
+            let from_origin = lanes.sub(planes, lanes.splat(self.origin_far[axis]));
+            far = lanes.min(lanes.mul(from_origin, lanes.splat(self.inverse_far[axis])), far);
+        }
+        (near, lanes.le(near, far))
+    }
+}
+
+/// The ray as the watertight triangle test needs it (Woop et al., section 3): translation to its origin,
+/// axes permuted so that z is the fastest, and the shear that turns it into the z axis.
+struct Shear {
+    /// Original axes that become x, y and z.
+    axes: [usize; 3],
+    /// Origin, permuted.
+    origin: [f32; 3],
+    /// Direction's x and y per z, and 1 per z.
+    slope: [f32; 3],
+}
+
+/// Hits of a block. Lanes outside `lanes` hold anything.
+struct BlockHits {
+    lanes: u32,
+    /// Lanes whose triangle turns its front to the ray's origin.
+    front: u32,
+    t: [f32; WIDTH],
+    u: [f32; WIDTH],
+    v: [f32; WIDTH],
+}
+
+impl Shear {
+    #[inline(always)]
+    fn new(ray: &Ray) -> Self {
+        let speed = ray.direction.abs();
+        let z = if speed.x >= speed.y && speed.x >= speed.z {
+            0
+        } else if speed.y >= speed.z {
+            1
+        } else {
+            2
+        };
+        // Swapped for a ray against the axis: keeps the winding.
+        let (x, y) =
+            if ray.direction[z] < 0.0 { ((z + 2) % 3, (z + 1) % 3) } else { ((z + 1) % 3, (z + 2) % 3) };
+        let [dx, dy, dz] = [x, y, z].map(|axis| ray.direction[axis]);
+        Self {
+            axes: [x, y, z],
+            origin: [x, y, z].map(|axis| ray.origin[axis]),
+            slope: [dx / dz, dy / dz, 1.0 / dz],
+        }
+    }
+
+    /// The hits of a block within `[t_min, t_max]`, or None.
+    ///
+    /// A triangle is hit if the signed areas that the ray's point spans with its edges have one sign. In
+    /// `f32` a sign is never wrong, as rounding is monotonic, but it may be lost; [`Shear::exact`] settles
+    /// lanes where one is 0.
+    #[inline(always)]
+    fn hit<L: Lanes>(&self, lanes: L, block: &Block, t_min: f32, t_max: f32) -> Option<BlockHits> {
+        let [x, y, z] = self.axes.map(|axis| &block.vertices[axis]);
+        let z = [0, 1, 2].map(|vertex| lanes.sub(lanes.load(&z[vertex]), lanes.splat(self.origin[2])));
+        let shear = |rows: &[[f32; WIDTH]; 3], axis: usize| {
+            [0, 1, 2].map(|vertex: usize| {
+                let from_origin = lanes.sub(lanes.load(&rows[vertex]), lanes.splat(self.origin[axis]));
+                lanes.sub(from_origin, lanes.mul(z[vertex], lanes.splat(self.slope[axis])))
+            })
+        };
+        let x = shear(x, 0);
+        let y = shear(y, 1);
+        let area = |a: usize, b: usize| lanes.sub(lanes.mul(x[a], y[b]), lanes.mul(y[a], x[b]));
+        let areas = [area(2, 1), area(0, 2), area(1, 0)];
+
+        let zero = lanes.splat(0.0);
+        let least = lanes.min(lanes.min(areas[0], areas[1]), areas[2]);
+        let most = lanes.max(lanes.max(areas[0], areas[1]), areas[2]);
+        let touched = lanes.le(zero, least) | lanes.le(most, zero);
+        if touched == 0 {
+            return None;
+        }
+        let front = lanes.lt(zero, least);
+        let inside = front | lanes.lt(most, zero);
+
+        let inverse = lanes.div(lanes.splat(1.0), lanes.add(lanes.add(areas[0], areas[1]), areas[2]));
+        // The weights before the depth: areas times depths could leave the range of f32.
+        let weights = areas.map(|area| lanes.mul(area, inverse));
+        let [a, b, c] = [0, 1, 2].map(|vertex| lanes.mul(weights[vertex], z[vertex]));
+        let t = lanes.mul(lanes.add(lanes.add(a, b), c), lanes.splat(self.slope[2]));
+        let within = lanes.le(lanes.splat(t_min), t) & lanes.le(t, lanes.splat(t_max));
+        let mut hits = BlockHits {
+            lanes: inside & within,
+            front,
+            t: lanes.store(t),
+            u: lanes.store(weights[1]),
+            v: lanes.store(weights[2]),
+        };
+        let mut unsettled = touched & !inside;
+        while unsettled != 0 {
+            let lane = unsettled.trailing_zeros() as usize % WIDTH;
+            unsettled &= unsettled - 1;
+            if let Some(exact) = self.exact(block, lane).filter(|exact| t_min <= exact.t && exact.t <= t_max)
+            {
+                hits.lanes |= 1 << lane;
+                hits.front |= u32::from(exact.front) << lane;
+                (hits.t[lane], hits.u[lane], hits.v[lane]) = (exact.t, exact.u, exact.v);
+            }
+        }
+        (hits.lanes != 0).then_some(hits)
+    }
+
+    /// The test for one triangle with an area that rounds to 0, in `f64`: products of two `f32` are exact
+    /// there, so that the signs of their differences are right.
+    ///
+    /// Where an area is exactly 0 the ray passes through an edge. Then it counts as moved by an
+    /// infinitesimal (-e, e^2) in the sheared plane, which is the fill rule of rasterisers: of all triangles
+    /// around the edge or vertex, as many are hit as if the ray had passed beside it.
+    #[cold]
+    #[inline(never)]
+    fn exact(&self, block: &Block, lane: usize) -> Option<Hit> {
+        let [a, b, c] = [0, 1, 2].map(|vertex: usize| {
+            let [x, y, z] = [0, 1, 2]
+                .map(|axis: usize| block.vertices[self.axes[axis]][vertex][lane] - self.origin[axis]);
+            [x - z * self.slope[0], y - z * self.slope[1], z].map(f64::from)
+        });
+        let area = |p: [f64; 3], q: [f64; 3]| p[0] * q[1] - p[1] * q[0];
+        let areas = [area(c, b), area(a, c), area(b, a)];
+        let sum = areas[0] + areas[1] + areas[2];
+        let front = sum > 0.0;
+        let edges = [[c, b], [a, c], [b, a]];
+        let inside = areas.iter().zip(edges).all(|(&area, [from, to])| {
+            let [from, to] = if front { [from, to] } else { [to, from] };
+            let facing = if front { area } else { -area };
+            facing > 0.0 || facing == 0.0 && (to[1] > from[1] || to[1] == from[1] && to[0] > from[0])
+        });
+        if !inside || sum == 0.0 {
+            return None;
+        }
+        let depth = (areas[0] * a[2] + areas[1] * b[2] + areas[2] * c[2]) / sum;
+        Some(Hit {
+            t: depth as f32 * self.slope[2],
+            u: (areas[1] / sum) as f32,
+            v: (areas[2] / sum) as f32,
+            triangle: block.triangles[lane],
+            front,
+        })
+    }
+}
