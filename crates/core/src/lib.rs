@@ -3,4 +3,5 @@
 pub mod blue_noise;
 pub mod colour;
 pub mod hash;
+pub mod parameter;
 pub mod threshold_map;

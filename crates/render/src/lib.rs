@@ -1,1 +1,36 @@
 //! Order-independent transparency: the methods, the CPU backend, temporal accumulation.
+//!
+//! A [`Stage`] holds a scene at a time, ready to be traced; a [`Method`] says how transparency is resolved; a [`Pipeline`] renders frame
+//! after frame with both and adds them up over time.
+//!
+//! ```
+//! use sheer_render::{Antialiasing, Pipeline, Settings, Stage};
+//!
+//! let scene = sheer_scene::open("layers:count=2,alpha=0.5")?.scene;
+//! let mut stage = Stage::new(scene, &Default::default(), None)?;
+//! let settings = Settings { size: [8, 4], ..Default::default() };
+//! let mut pipeline = Pipeline::new("std".parse()?, Antialiasing::Accumulate, settings)?;
+//! for index in 0..9 {
+//!     stage.advance(pipeline.clock().at(index));
+//!     pipeline.render(&stage, index)?;
+//! }
+//! let planes = pipeline.planes();
+//! assert_eq!(planes.colour.size(), (8, 4));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+pub mod contract;
+pub mod cpu;
+pub mod method;
+mod pipeline;
+mod shadow;
+mod stage;
+pub mod temporal;
+
+pub use crate::{
+    cpu::{Background, Counters},
+    method::{Method, MethodError},
+    pipeline::{Clock, Moment, Pipeline, RenderError, Settings, Timings},
+    stage::Stage,
+    temporal::Antialiasing,
+};

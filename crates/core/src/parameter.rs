@@ -1,0 +1,143 @@
+//! `name:key=value,key=value`: how scenes and methods are asked for on the command line.
+
+use std::fmt;
+
+/// One parameter of a scene or a method.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ParameterInfo {
+    /// The word before the `=`.
+    pub key: &'static str,
+    /// Its value where none is given.
+    pub default: &'static str,
+    /// What it may be.
+    pub range: ParameterRange,
+    /// What it does.
+    pub what: &'static str,
+}
+
+/// Values that a parameter may take.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ParameterRange {
+    /// A whole number from the first to the second, both included.
+    Count(u32, u32),
+    /// A number from the first to the second, both included.
+    Real(f32, f32),
+    /// One of these words.
+    Choice(&'static [&'static str]),
+}
+
+impl ParameterRange {
+    fn holds(self, value: &str) -> bool {
+        match self {
+            Self::Count(low, high) => value.parse().is_ok_and(|count: u32| (low..=high).contains(&count)),
+            Self::Real(low, high) => value.parse().is_ok_and(|real: f32| (low..=high).contains(&real)),
+            Self::Choice(words) => words.contains(&value),
+        }
+    }
+}
+
+impl fmt::Display for ParameterRange {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Count(low, high) => write!(f, "{low}..={high}"),
+            Self::Real(low, high) => write!(f, "{low:?}..={high:?}"),
+            Self::Choice(words) => f.write_str(&words.join("|")),
+        }
+    }
+}
+
+/// Splits `name:settings`; without a colon there are no settings.
+#[must_use]
+pub fn split_name(text: &str) -> (&str, &str) {
+    text.split_once(':').unwrap_or((text, ""))
+}
+
+/// Parameters with their values, each one checked against its range.
+#[derive(Clone, Debug)]
+pub struct Values {
+    known: &'static [ParameterInfo],
+    given: Vec<(&'static str, String)>,
+}
+
+impl Values {
+    /// Reads `key=value,key=value`; what is not given has its default.
+    ///
+    /// # Errors
+    /// What is wrong and what is allowed, in words.
+    pub fn parse(known: &'static [ParameterInfo], settings: &str) -> Result<Self, String> {
+        let mut given: Vec<(&'static str, String)> = Vec::new();
+        for setting in settings.split(',').map(str::trim).filter(|setting| !setting.is_empty()) {
+            let (key, value) = setting.split_once('=').ok_or_else(|| format!("'{setting}' is not KEY=VALUE"))?;
+            let parameter = known.iter().find(|parameter| parameter.key == key).ok_or_else(|| {
+                let allowed: Vec<_> = known.iter().map(|known| format!("{} ({})", known.key, known.range)).collect();
+                let allowed = if allowed.is_empty() { "none".to_owned() } else { allowed.join(", ") };
+                format!("there is no parameter '{key}'; it takes {allowed}")
+            })?;
+            if !parameter.range.holds(value) {
+                return Err(format!("{key}={value} is not in {}", parameter.range));
+            }
+            if given.iter().any(|(earlier, _)| *earlier == key) {
+                return Err(format!("{key} is given twice"));
+            }
+            given.push((parameter.key, value.to_owned()));
+        }
+        Ok(Self { known, given })
+    }
+
+    /// A parameter's value as it was given, or its default.
+    ///
+    /// # Panics
+    /// If the key is not among the known ones: a slip of the program, not of its user.
+    #[must_use]
+    pub fn text(&self, key: &str) -> &str {
+        if let Some((_, value)) = self.given.iter().find(|(given, _)| *given == key) {
+            return value;
+        }
+        let parameter = self.known.iter().find(|parameter| parameter.key == key);
+        parameter.expect("only parameters of the own table are asked for").default
+    }
+
+    /// A whole number.
+    ///
+    /// # Panics
+    /// If the key is not known or not a [`ParameterRange::Count`].
+    #[must_use]
+    pub fn count(&self, key: &str) -> u32 {
+        self.text(key).parse().expect("checked against its range")
+    }
+
+    /// A number.
+    ///
+    /// # Panics
+    /// If the key is not known or not a number.
+    #[must_use]
+    pub fn real(&self, key: &str) -> f32 {
+        self.text(key).parse().expect("checked against its range")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const KNOWN: &[ParameterInfo] = &[
+        ParameterInfo { key: "count", default: "3", range: ParameterRange::Count(1, 8), what: "" },
+        ParameterInfo { key: "hash", default: "pcg", range: ParameterRange::Choice(&["pcg", "mcguire"]), what: "" },
+    ];
+
+    #[test]
+    fn what_is_not_given_has_its_default() {
+        let values = Values::parse(KNOWN, "hash=mcguire").unwrap();
+        assert_eq!((values.count("count"), values.text("hash")), (3, "mcguire"));
+    }
+
+    #[test]
+    fn each_slip_is_named_with_what_is_allowed() {
+        let problem = |settings| Values::parse(KNOWN, settings).unwrap_err();
+        assert!(problem("cuont=3").contains("count (1..=8), hash (pcg|mcguire)"));
+        assert_eq!(problem("count=9"), "count=9 is not in 1..=8");
+        assert_eq!(problem("count"), "'count' is not KEY=VALUE");
+        assert_eq!(problem("count=1,count=2"), "count is given twice");
+        assert_eq!(split_name("std:hash=pcg"), ("std", "hash=pcg"));
+    }
+}

@@ -1,0 +1,119 @@
+//! What a transparency method is to the backends. A backend runs any method and names none.
+//!
+//! * [`Threshold`]: one shaded fragment a pixel. The method gives a threshold, the backend alone decides by [`keeps`].
+//! * [`Compositing`]: fragments are handed over and the method adds them up.
+
+use std::ops::ControlFlow;
+
+use glam::Vec3;
+use sheer_core::{blue_noise::blue_noise_64, colour::Premul, parameter::ParameterInfo, threshold_map::{ThresholdMap, std_maps}};
+
+/// Alpha below this is not there (STD Listing 2, `MIN_ALPHA`): it saves the shading of what nobody sees.
+pub const MIN_ALPHA: f32 = 0.01;
+/// What lies behind this visibility is not looked for (STD Listing 2, `MIN_VISIBILITY`).
+pub const MIN_VISIBILITY: f32 = 0.001;
+
+/// A method's entry in lists, help and docs.
+#[derive(Clone, Copy, Debug)]
+pub struct MethodInfo {
+    /// The word on the command line, the module, later the shader.
+    pub id: &'static str,
+    /// A line on what it does.
+    pub title: &'static str,
+    /// Paper and section.
+    pub paper: &'static str,
+    /// What its result is biased in, in words.
+    pub bias: &'static str,
+    /// Keys it takes.
+    pub parameters: &'static [ParameterInfo],
+    /// Motion vectors are aligned to multiples of this many pixels (STD section 3.3.1); 1: not at all.
+    pub alignment_px: u32,
+}
+
+/// What a threshold may depend on, for `N` hits at once: 1 in single-ray code, 8 or 16 in tiles.
+#[derive(Clone, Copy, Debug)]
+pub struct Site<const N: usize> {
+    /// Column and row of the pixel, from the upper left.
+    pub pixel: [[u32; N]; 2],
+    /// Frame index, with the seed mixed in where randomness is wanted: see [`Self::seed`].
+    pub frame: u32,
+    /// Seed of the run.
+    pub seed: u32,
+    /// `InstanceID()` of STD Listing 4.
+    pub instance: [u32; N],
+    /// `GeometryIndex()`.
+    pub geometry: [u32; N],
+    /// `PrimitiveIndex()`.
+    pub primitive: [u32; N],
+    /// `HitKind()`: 0 front, 1 back.
+    pub back: [u32; N],
+    /// Hit point in world: x, y, z.
+    pub position: [[f32; N]; 3],
+}
+
+/// Tables that thresholds are made from, built once a process.
+#[derive(Clone, Copy, Debug)]
+pub struct Tables {
+    /// The 288 maps of STD section 3.3.
+    pub std_maps: &'static [ThresholdMap],
+    /// 64×64 blue noise in (0, 1), row-major.
+    pub blue_noise: &'static [f32],
+}
+
+impl Tables {
+    /// Builds the tables on first use.
+    #[must_use]
+    pub fn get() -> Self {
+        Self { std_maps: std_maps(), blue_noise: blue_noise_64().values() }
+    }
+}
+
+/// Family of methods that keep or drop a hit by comparing its alpha with a threshold.
+pub trait Threshold: Sync {
+    /// Thresholds in [0, 1) for `N` hits.
+    fn threshold<const N: usize>(&self, site: &Site<N>, tables: &Tables) -> [f32; N];
+}
+
+/// The decision of STD Listings 3 and 4, with both ends exact: next to nothing is never kept, opaque always.
+#[must_use]
+#[inline]
+pub fn keeps(alpha: f32, threshold: impl FnOnce() -> f32) -> bool {
+    alpha >= MIN_ALPHA && (alpha >= 1.0 || alpha >= threshold())
+}
+
+/// How the backend finds the fragments of a pixel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Gathering {
+    /// All hits of the ray in one traversal, bounded by the first opaque one, then sorted.
+    Sorted,
+    /// One ray after the other, each starting where the last one ended.
+    Continuation,
+}
+
+/// Family of methods that add up fragments. They arrive front to back.
+pub trait Compositing: Sync {
+    /// What is kept of a pixel.
+    type Pixel;
+
+    /// How fragments are to be found.
+    fn gathering(&self) -> Gathering;
+
+    /// An empty pixel.
+    fn begin(&self) -> Self::Pixel;
+
+    /// Adds a fragment of the given opacity; `shade` gives its radiance and is the costly part. `Break` ends the pixel.
+    fn add(&self, pixel: &mut Self::Pixel, alpha: f32, shade: impl FnOnce() -> Vec3) -> ControlFlow<()>;
+
+    /// The pixel without its background.
+    fn resolve(&self, pixel: Self::Pixel) -> Premul;
+}
+
+/// A backend's reaction to each family.
+pub trait Visitor {
+    /// What comes of it.
+    type Output;
+    /// The method decides by threshold.
+    fn threshold(self, method: &impl Threshold) -> Self::Output;
+    /// The method adds fragments up.
+    fn compositing(self, method: &impl Compositing) -> Self::Output;
+}

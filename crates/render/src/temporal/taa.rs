@@ -1,0 +1,160 @@
+//! Temporal anti-aliasing after Salvi, *An Excursion in Temporal Supersampling*, GDC 2016: an exponential average of reprojected history,
+//! rectified by the mean and variance of the new frame's neighbourhood (STD section 2.1, Eq. 2).
+
+use glam::{Vec2, Vec3, Vec3A, Vec4};
+use sheer_image::{Image, ImageError, Planes};
+
+use super::align::Alignment;
+
+/// Weight of the new frame (STD Eq. 2).
+const NEW_FRAME_WEIGHT: f32 = 0.1;
+/// History is kept within this many standard deviations of the neighbourhood's mean.
+const CLIP_SIGMAS: f32 = 1.0;
+/// Radius of the neighbourhood, pixels: 3×3, and 7×7 where transparent fragments are (STD section 3.2).
+const OPAQUE_RADIUS: i64 = 1;
+const TRANSPARENT_RADIUS: i64 = 3;
+
+/// The new history: `current` blended with `history`, the result of `count` earlier frames.
+pub(super) fn resolve(
+    current: &Planes,
+    history: &Image<[f32; 4]>,
+    count: u32,
+    alignment: Alignment,
+) -> Result<Image<[f32; 4]>, ImageError> {
+    let (width, height) = current.colour.size();
+    let ycocg = current.colour.par_map(|[r, g, b, _]| ycocg_from_rgb(Vec3A::new(*r, *g, *b)));
+    // A young history is a plain mean: the average would take 30 frames to forget the first one.
+    let weight = NEW_FRAME_WEIGHT.max(1.0 / (count as f32 + 1.0));
+    Image::par_from_fn(width, height, |x, y| {
+        let new = Vec4::from(current.colour[(x, y)]);
+        let motion = alignment.apply(Vec2::from(current.motion[(x, y)]), [x, y]);
+        let Some(old) = fetch(history, Vec2::new(x as f32, y as f32) + motion) else {
+            return new.to_array();
+        };
+        let radius = if current.transparent[(x, y)] { TRANSPARENT_RADIUS } else { OPAQUE_RADIUS };
+        let clipped = clip(old, &ycocg, [x, y], radius);
+        (clipped + (new - clipped) * weight).to_array()
+    })
+}
+
+/// Pulls history into the ellipsoid of the neighbourhood, along the line to its mean; alpha as it is.
+fn clip(old: Vec4, ycocg: &Image<Vec3A>, [x, y]: [u32; 2], radius: i64) -> Vec4 {
+    let (mut sum, mut squares) = (Vec3A::ZERO, Vec3A::ZERO);
+    for dy in -radius..=radius {
+        for dx in -radius..=radius {
+            let neighbour = *ycocg.get_clamped(i64::from(x) + dx, i64::from(y) + dy);
+            sum += neighbour;
+            squares += neighbour * neighbour;
+        }
+    }
+    let count = ((2 * radius + 1) * (2 * radius + 1)) as f32;
+    let mean = sum / count;
+    let deviation = (squares / count - mean * mean).max(Vec3A::ZERO).map(f32::sqrt) * CLIP_SIGMAS;
+    let offset = ycocg_from_rgb(Vec3A::from(old.truncate())) - mean;
+    // Length of the offset in standard deviations; an even neighbourhood leaves no room.
+    let reach = (offset / deviation.max(Vec3A::splat(1e-6))).length();
+    if reach <= 1.0 {
+        return old;
+    }
+    Vec3::from(rgb_from_ycocg(mean + offset / reach)).extend(old.w)
+}
+
+/// History at a place in pixels (origin at the first pixel's centre); `None` outside the picture.
+fn fetch(history: &Image<[f32; 4]>, at: Vec2) -> Option<Vec4> {
+    let (width, height) = history.size();
+    let inside = at.x > -0.5 && at.y > -0.5 && at.x < width as f32 - 0.5 && at.y < height as f32 - 0.5;
+    if !inside {
+        return None;
+    }
+    let low = at.floor();
+    let share = at - low;
+    let (column, row) = (low.x as i64, low.y as i64);
+    let texel = |dx: i64, dy: i64| Vec4::from(*history.get_clamped(column + dx, row + dy));
+    if share == Vec2::ZERO {
+        return Some(texel(0, 0));
+    }
+    // Catmull-Rom keeps edges that bilinear lookups would blur a little more in every frame.
+    let (wx, wy) = (catmull_rom(share.x), catmull_rom(share.y));
+    let mut sum = Vec4::ZERO;
+    for (dy, wy) in (-1..).zip(wy) {
+        for (dx, wx) in (-1..).zip(wx) {
+            sum += texel(dx, dy) * (wx * wy);
+        }
+    }
+    Some(sum.max(Vec4::ZERO))
+}
+
+/// Weights of the four samples around a point at `s` between the middle two.
+fn catmull_rom(s: f32) -> [f32; 4] {
+    let (s2, s3) = (s * s, s * s * s);
+    [
+        0.5 * (-s3 + 2.0 * s2 - s),
+        0.5 * (3.0 * s3 - 5.0 * s2 + 2.0),
+        0.5 * (-3.0 * s3 + 4.0 * s2 + s),
+        0.5 * (s3 - s2),
+    ]
+}
+
+fn ycocg_from_rgb(rgb: Vec3A) -> Vec3A {
+    let Vec3 { x: r, y: g, z: b } = rgb.into();
+    Vec3A::new(0.25 * r + 0.5 * g + 0.25 * b, 0.5 * (r - b), -0.25 * r + 0.5 * g - 0.25 * b)
+}
+
+fn rgb_from_ycocg(ycocg: Vec3A) -> Vec3A {
+    let Vec3 { x: y, y: co, z: cg } = ycocg.into();
+    Vec3A::new(y + co - cg, y + cg, y - co - cg)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const STILL: Alignment = Alignment { alignment_px: 1, frame: 0, seed: 0 };
+
+    fn planes(width: u32, height: u32, colour: impl Fn(u32, u32) -> f32) -> Planes {
+        let mut planes = Planes::new(width, height).unwrap();
+        planes.colour = Image::from_fn(width, height, |x, y| [colour(x, y); 4]).unwrap();
+        planes
+    }
+
+    #[test]
+    fn ycocg_round_trips() {
+        let rgb = Vec3A::new(0.2, 0.9, 3.0);
+        assert!((rgb_from_ycocg(ycocg_from_rgb(rgb)) - rgb).abs().max_element() < 1e-6);
+    }
+
+    #[test]
+    fn catmull_rom_weights_sum_to_one_and_interpolate() {
+        for step in 0..=10 {
+            assert!((catmull_rom(step as f32 / 10.0).iter().sum::<f32>() - 1.0).abs() < 1e-6);
+        }
+        assert_eq!(catmull_rom(0.0), [0.0, 1.0, 0.0, 0.0]);
+    }
+
+    #[test]
+    fn an_even_neighbourhood_forgets_wrong_history_at_once() {
+        let current = planes(8, 8, |_, _| 0.25);
+        let history = Image::filled(8, 8, [1.0; 4]).unwrap();
+        let result = resolve(&current, &history, 100, STILL).unwrap();
+        assert!((result[(4, 4)][0] - 0.25).abs() < 1e-4);
+    }
+
+    #[test]
+    fn plausible_history_keeps_nine_tenths() {
+        let current = planes(9, 9, |x, y| ((x + y) % 2) as f32);
+        let history = Image::filled(9, 9, [0.5; 4]).unwrap();
+        let result = resolve(&current, &history, 100, STILL).unwrap();
+        assert!((result[(4, 4)][0] - 0.45).abs() < 1e-5, "{:?}", result[(4, 4)]);
+    }
+
+    #[test]
+    fn history_follows_motion_and_stops_at_the_edge() {
+        let mut current = planes(8, 8, |x, _| x as f32);
+        current.motion = Image::filled(8, 8, [-2.0, 0.0]).unwrap();
+        current.transparent = Image::filled(8, 8, true).unwrap();
+        let history = Image::from_fn(8, 8, |x, _| [x as f32 + 2.0; 4]).unwrap();
+        let result = resolve(&current, &history, 100, STILL).unwrap();
+        assert!((result[(4, 4)][0] - 4.0).abs() < 1e-4, "what was at 2 is now at 4");
+        assert_eq!(result[(1, 4)][0], 1.0, "nothing was seen beyond the edge");
+    }
+}
