@@ -33,8 +33,13 @@ pub enum LoadWarning {
     },
     /// `KHR_materials_transmission` is drawn as coverage: nothing refracts.
     TransmissionAsCoverage {
-        /// Material name or index.
+        /// Material index and name.
         material: String,
+    },
+    /// An animation moves what an earlier one moves, and is not played.
+    AnimationSkipped {
+        /// Animation index and name.
+        place: String,
     },
     /// The file was repaired in a way its author would want, e.g. a normal that was not of unit length.
     Repaired {
@@ -51,7 +56,10 @@ impl fmt::Display for LoadWarning {
             Self::ExtensionIgnored { extension } => write!(f, "extension {extension} has no effect here"),
             Self::NotTriangles { place, mode } => write!(f, "{place}: {mode} are not drawn"),
             Self::TransmissionAsCoverage { material } => {
-                write!(f, "material {material}: transmission is drawn as alpha coverage, without refraction")
+                write!(f, "{material}: transmission is drawn as alpha coverage, without refraction")
+            }
+            Self::AnimationSkipped { place } => {
+                write!(f, "{place} is not played: it moves what an earlier animation moves")
             }
             Self::Repaired { place, what } => write!(f, "{place}: {what}"),
         }

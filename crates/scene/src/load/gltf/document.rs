@@ -1,0 +1,185 @@
+//! A parsed file: its JSON, its bytes, what it may still cost, and what there was to say about it.
+
+use std::{
+    cell::{Cell, OnceCell, RefCell},
+    collections::HashSet,
+    path::Path,
+};
+
+use super::{
+    BASE_BYTES, BYTES_PER_INPUT_BYTE,
+    resource::{self, UriError},
+    schema::{Index, Root, VersionOnly},
+};
+use crate::{SceneError, load::LoadWarning};
+
+/// The file while it is being read. Buffers are read when first asked for.
+pub(super) struct Document<'a> {
+    pub root: Root,
+    path: &'a Path,
+    binary_chunk: Option<&'a [u8]>,
+    buffers: Vec<OnceCell<Vec<u8>>>,
+    /// Decompressed buffer views.
+    views: Vec<OnceCell<Vec<u8>>>,
+    bytes_left: Cell<u64>,
+    warnings: RefCell<Vec<LoadWarning>>,
+    /// Texts of the warnings given.
+    warned: RefCell<HashSet<String>>,
+}
+
+impl<'a> Document<'a> {
+    pub(super) fn parse(bytes: &'a [u8], path: &'a Path) -> Result<Self, SceneError> {
+        let fault = |place: &str, problem: String| SceneError::File {
+            path: path.to_owned(),
+            place: place.to_owned(),
+            problem,
+        };
+        let (json, binary_chunk) =
+            resource::split_container(bytes).map_err(|problem| fault("container", problem))?;
+        let version_of = |asset: &super::schema::Asset| {
+            let version = asset.min_version.as_deref().unwrap_or(&asset.version);
+            (version.split('.').next() != Some("2")
+                || asset.min_version.as_deref().is_some_and(|min| min != "2.0"))
+            .then(|| format!("the file is of glTF version '{version}'; export it as glTF 2.0"))
+        };
+        let root: Root = serde_json::from_slice(json).map_err(|error| {
+            // Version 1 has another shape altogether: say that instead.
+            let old =
+                serde_json::from_slice::<VersionOnly>(json).ok().and_then(|only| version_of(&only.asset));
+            let problem = old.unwrap_or_else(|| {
+                format!("{error}; export the file again, or check it with a glTF validator")
+            });
+            fault("JSON", problem)
+        })?;
+        if let Some(problem) = version_of(&root.asset) {
+            return Err(fault("asset", problem));
+        }
+        let (buffer_count, view_count) = (root.buffers.len(), root.buffer_views.len());
+        Ok(Self {
+            root,
+            path,
+            binary_chunk,
+            buffers: (0..buffer_count).map(|_| OnceCell::new()).collect(),
+            views: (0..view_count).map(|_| OnceCell::new()).collect(),
+            bytes_left: Cell::new(BASE_BYTES + BYTES_PER_INPUT_BYTE * bytes.len() as u64),
+            warnings: RefCell::default(),
+            warned: RefCell::default(),
+        })
+    }
+
+    /// An error at a place in this file.
+    pub(super) fn fault(&self, place: impl Into<String>, problem: impl Into<String>) -> SceneError {
+        SceneError::File { path: self.path.to_owned(), place: place.into(), problem: problem.into() }
+    }
+
+    /// Notes something once.
+    pub(super) fn warn(&self, warning: LoadWarning) {
+        if self.warned.borrow_mut().insert(warning.to_string()) {
+            self.warnings.borrow_mut().push(warning);
+        }
+    }
+
+    /// Notes a repair.
+    pub(super) fn repaired(&self, place: &str, what: &str) {
+        self.warn(LoadWarning::Repaired { place: place.to_owned(), what: what.to_owned() });
+    }
+
+    pub(super) fn into_warnings(self) -> Vec<LoadWarning> {
+        self.warnings.into_inner()
+    }
+
+    /// `list[index]`, or an error that says who referred to it.
+    pub(super) fn get<'l, T>(
+        &self,
+        list: &'l [T],
+        index: Index,
+        what: &str,
+        place: &str,
+    ) -> Result<&'l T, SceneError> {
+        list.get(index).ok_or_else(|| {
+            let problem = format!(
+                "{what} {index} is referred to, but there are only {}; export the file again",
+                list.len()
+            );
+            self.fault(place, problem)
+        })
+    }
+
+    /// Takes memory for `count` values of `bytes_each` from what the file may cost.
+    pub(super) fn charge(&self, count: usize, bytes_each: usize, place: &str) -> Result<(), SceneError> {
+        let cost = (count as u64).saturating_mul(bytes_each as u64);
+        let left = self.bytes_left.get().checked_sub(cost).ok_or_else(|| {
+            let problem = format!(
+                "{count} elements of {bytes_each} bytes are more than a file of this size may hold; check the count, or split the file"
+            );
+            self.fault(place, problem)
+        })?;
+        self.bytes_left.set(left);
+        Ok(())
+    }
+
+    /// The bytes of a URI, which count as bytes read.
+    pub(super) fn read_uri(&self, uri: &str, place: &str) -> Result<Vec<u8>, SceneError> {
+        let folder = self.path.parent().unwrap_or(Path::new(""));
+        let bytes = resource::read_uri(uri, folder).map_err(|error| match error {
+            UriError::Refused(problem) => self.fault(place, problem),
+            UriError::Unreadable(error) => error,
+        })?;
+        self.bytes_left.set(self.bytes_left.get() + BYTES_PER_INPUT_BYTE * bytes.len() as u64);
+        Ok(bytes)
+    }
+
+    /// A buffer, as long as the file says or longer.
+    fn buffer(&self, index: Index, place: &str) -> Result<&[u8], SceneError> {
+        let buffer = self.get(&self.root.buffers, index, "buffer", place)?;
+        let place = format!("buffer {index}");
+        let bytes = match (&buffer.uri, self.binary_chunk) {
+            (Some(uri), _) => match self.buffers[index].get() {
+                Some(bytes) => bytes.as_slice(),
+                None => {
+                    let bytes = self.read_uri(uri, &place)?;
+                    self.buffers[index].get_or_init(|| bytes)
+                }
+            },
+            (None, Some(chunk)) if index == 0 => chunk,
+            (None, _) => {
+                let problem = "it has neither a URI nor a binary chunk; export the file again";
+                return Err(self.fault(place, problem));
+            }
+        };
+        bytes.get(..buffer.byte_length).ok_or_else(|| {
+            let problem = format!(
+                "it should hold {} bytes but holds {}; the data is cut short, copy or export it again",
+                buffer.byte_length,
+                bytes.len()
+            );
+            self.fault(place, problem)
+        })
+    }
+
+    /// Part of a buffer.
+    fn buffer_range(
+        &self,
+        buffer: Index,
+        offset: usize,
+        length: usize,
+        place: &str,
+    ) -> Result<&[u8], SceneError> {
+        let bytes = self.buffer(buffer, place)?;
+        offset.checked_add(length).and_then(|end| bytes.get(offset..end)).ok_or_else(|| {
+            let problem = format!(
+                "bytes {offset} to {offset}+{length} are asked for, but buffer {buffer} has only {}; export the file again",
+                bytes.len()
+            );
+            self.fault(place, problem)
+        })
+    }
+
+    /// The bytes of a buffer view, decompressed, and the stride it prescribes.
+    pub(super) fn view(&self, index: Index, place: &str) -> Result<(&[u8], Option<usize>), SceneError> {
+        let view = self.get(&self.root.buffer_views, index, "buffer view", place)?;
+        let view_place = format!("buffer view {index}");
+        let bytes = self.buffer_range(view.buffer, view.byte_offset, view.byte_length, &view_place)?;
+        Ok((bytes, view.byte_stride))
+    }
+}

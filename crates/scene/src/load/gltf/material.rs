@@ -1,0 +1,346 @@
+//! Materials and their textures.
+
+use std::{collections::BTreeMap, sync::Arc};
+
+use glam::{Affine2, Vec2, Vec3, Vec4};
+use sheer_image::Image;
+
+use super::{
+    bake,
+    document::Document,
+    image,
+    node::named,
+    schema::{self, Index, TextureInfo},
+};
+use crate::{
+    SceneError,
+    load::LoadWarning,
+    model::{AlphaMode, Filter, Material, ShadingModel, Texture, TextureRef, Wrap},
+};
+
+/// How much of what a surface transmits counts as not covered. A little below one, so that clear glass keeps a body to see.
+const TRANSMISSION_SHARE: f32 = 0.85;
+
+/// The materials used so far.
+pub(super) struct Materials<'d, 'a> {
+    document: &'d Document<'a>,
+    materials: Vec<Material>,
+    /// Scene index of each material of the file; the last is the default material.
+    index_of: Vec<Option<u32>>,
+    textures: Vec<Texels>,
+    /// Scene index of each texture of the file, as sRGB colour or as linear data.
+    texture_of: BTreeMap<(Index, bool), u32>,
+    /// What to make of the images once they are decoded.
+    bakes: Vec<Bake>,
+}
+
+/// Something to compute when the images are decoded.
+struct Bake {
+    /// Index into the scene's materials.
+    material: usize,
+    what: BakeKind,
+}
+
+enum BakeKind {
+    /// Transmission becomes lower alpha.
+    Transmission { strength: f32, texture: Option<TextureRef> },
+    /// Specular-glossiness becomes metallic-roughness; the base colour slot holds the diffuse texture.
+    Glossy { factors: bake::Glossy, texture: Option<TextureRef> },
+}
+
+/// A texture before its image is decoded.
+#[derive(Clone)]
+pub(super) struct Texels {
+    pub name: String,
+    pub source: Source,
+    pub srgb: bool,
+    pub wrap: [Wrap; 2],
+    pub filter: Filter,
+}
+
+/// Where texels come from.
+#[derive(Clone)]
+pub(super) enum Source {
+    /// An image of the file.
+    File(Index),
+    /// Computed.
+    Made(Arc<Image<[u8; 4]>>),
+}
+
+impl Texels {
+    fn file_image(&self) -> Option<Index> {
+        match self.source {
+            Source::File(index) => Some(index),
+            Source::Made(_) => None,
+        }
+    }
+
+    fn with_image(&self, images: &image::Images) -> Texture {
+        Texture {
+            name: self.name.clone(),
+            image: Arc::clone(images.of(&self.source)),
+            srgb: self.srgb,
+            wrap: self.wrap,
+            filter: self.filter,
+        }
+    }
+}
+
+impl<'d, 'a> Materials<'d, 'a> {
+    pub(super) fn new(document: &'d Document<'a>) -> Self {
+        Self {
+            document,
+            materials: Vec::new(),
+            index_of: vec![None; document.root.materials.len() + 1],
+            textures: Vec::new(),
+            texture_of: BTreeMap::new(),
+            bakes: Vec::new(),
+        }
+    }
+
+    /// Scene index of a material of the file, or of the default one.
+    pub(super) fn index(&mut self, material: Option<Index>, place: &str) -> Result<u32, SceneError> {
+        let all = &self.document.root.materials;
+        let slot = match material {
+            Some(index) => {
+                self.document.get(all, index, "material", place)?;
+                index
+            }
+            None => all.len(),
+        };
+        if let Some(index) = self.index_of[slot] {
+            return Ok(index);
+        }
+        let read = match all.get(slot) {
+            Some(described) => self.read(slot, described)?,
+            None => Material { name: "default".to_owned(), metallic: 1.0, ..Material::default() },
+        };
+        let index = self.materials.len() as u32;
+        self.materials.push(read);
+        self.index_of[slot] = Some(index);
+        Ok(index)
+    }
+}
+
+impl Materials<'_, '_> {
+    fn read(&mut self, index: Index, described: &schema::Material) -> Result<Material, SceneError> {
+        let place = named("material", index, described.name.as_deref());
+        let fault = |problem: String| {
+            self.document.fault(&place, format!("{problem}; correct it and export the file again"))
+        };
+        let alpha_mode = match described.alpha_mode.as_deref() {
+            None | Some("OPAQUE") => AlphaMode::Opaque,
+            Some("MASK") => AlphaMode::Mask { cutoff: described.alpha_cutoff.unwrap_or(0.5) },
+            Some("BLEND") => AlphaMode::Blend,
+            Some(other) => return Err(fault(format!("alpha mode '{other}' is not OPAQUE, MASK or BLEND"))),
+        };
+        let extensions = &described.extensions;
+        let strength =
+            extensions.emissive_strength.as_ref().map_or(1.0, |emissive| emissive.emissive_strength);
+        let emissive = Vec3::from(described.emissive_factor) * strength;
+        if !emissive.is_finite() {
+            return Err(fault("its emissive factor is not finite".to_owned()));
+        }
+        let info =
+            |slot: &Option<TextureInfo>, value: fn(&TextureInfo) -> f32| slot.as_ref().map_or(1.0, value);
+        let mut material = Material {
+            name: described.name.clone().unwrap_or_default(),
+            model: if extensions.unlit.is_some() {
+                ShadingModel::Unlit
+            } else {
+                ShadingModel::MetallicRoughness
+            },
+            alpha_mode,
+            normal_texture: self.texture(&described.normal_texture, false, &place)?,
+            normal_scale: info(&described.normal_texture, |info| info.scale),
+            occlusion_texture: self.texture(&described.occlusion_texture, false, &place)?,
+            occlusion_strength: info(&described.occlusion_texture, |info| info.strength).clamp(0.0, 1.0),
+            emissive,
+            emissive_texture: self.texture(&described.emissive_texture, true, &place)?,
+            double_sided: described.double_sided,
+            ..Material::default()
+        };
+
+        // A file that offers both models has its metallic-roughness one made by its author.
+        match (&described.pbr_metallic_roughness, &extensions.specular_glossiness) {
+            (None, Some(glossy)) => self.read_specular_glossiness(&mut material, glossy, &place)?,
+            (given, _) => {
+                let default = schema::MetallicRoughness::default();
+                let given = given.as_ref().unwrap_or(&default);
+                material.base_colour = self.factor(given.base_color_factor, &place)?;
+                material.base_colour_texture = self.texture(&given.base_color_texture, true, &place)?;
+                material.metallic = unit(given.metallic_factor);
+                material.roughness = unit(given.roughness_factor);
+                material.metallic_roughness_texture =
+                    self.texture(&given.metallic_roughness_texture, false, &place)?;
+            }
+        }
+        if let Some(transmission) = &extensions.transmission {
+            let texture = self.texture(&transmission.transmission_texture, false, &place)?;
+            let factor = unit(transmission.transmission_factor);
+            if factor > 0.0 {
+                self.document.warn(LoadWarning::TransmissionAsCoverage { material: place });
+                self.bakes.push(Bake {
+                    material: self.materials.len(),
+                    what: BakeKind::Transmission { strength: TRANSMISSION_SHARE * factor, texture },
+                });
+            }
+        }
+        Ok(material)
+    }
+
+    /// `KHR_materials_pbrSpecularGlossiness`: without textures converted here, else texel by texel when they are decoded.
+    fn read_specular_glossiness(
+        &mut self,
+        material: &mut Material,
+        glossy: &schema::SpecularGlossiness,
+        place: &str,
+    ) -> Result<(), SceneError> {
+        let diffuse = self.factor(glossy.diffuse_factor, place)?;
+        let factors = bake::Glossy {
+            diffuse: diffuse.truncate(),
+            specular: Vec3::from(glossy.specular_factor).clamp(Vec3::ZERO, Vec3::ONE),
+            glossiness: unit(glossy.glossiness_factor),
+        };
+        material.base_colour_texture = self.texture(&glossy.diffuse_texture, true, place)?;
+        let texture = self.texture(&glossy.specular_glossiness_texture, true, place)?;
+        if material.base_colour_texture.is_none() && texture.is_none() {
+            let converted = factors.to_metallic();
+            material.base_colour = converted.base_colour.extend(diffuse.w);
+            material.metallic = converted.metallic;
+            material.roughness = converted.roughness;
+        } else {
+            material.base_colour = Vec3::ONE.extend(diffuse.w);
+            (material.metallic, material.roughness) = (1.0, 1.0);
+            self.bakes
+                .push(Bake { material: self.materials.len(), what: BakeKind::Glossy { factors, texture } });
+        }
+        Ok(())
+    }
+
+    fn factor(&self, factor: [f32; 4], place: &str) -> Result<Vec4, SceneError> {
+        let factor = Vec4::from(factor);
+        if !factor.is_finite() {
+            return Err(self
+                .document
+                .fault(place, "its colour factor is not finite; correct it and export the file again"));
+        }
+        Ok(factor.max(Vec4::ZERO).min(Vec3::MAX.extend(1.0)))
+    }
+
+    /// A use of a texture.
+    fn texture(
+        &mut self,
+        info: &Option<TextureInfo>,
+        srgb: bool,
+        place: &str,
+    ) -> Result<Option<TextureRef>, SceneError> {
+        let Some(info) = info else { return Ok(None) };
+        let document = self.document;
+        let described = document.get(&document.root.textures, info.index, "texture", place)?;
+        let texture_place = named("texture", info.index, described.name.as_deref());
+        let extensions = &described.extensions;
+        let Some(image) = extensions.basisu.source.or(extensions.webp.source).or(described.source) else {
+            document.repaired(&texture_place, "it has no image in a known format and was left out");
+            return Ok(None);
+        };
+        document.get(&document.root.images, image, "image", &texture_place)?;
+        let texture = match self.texture_of.get(&(info.index, srgb)) {
+            Some(&texture) => texture,
+            None => {
+                let sampler = described
+                    .sampler
+                    .map(|sampler| document.get(&document.root.samplers, sampler, "sampler", &texture_place));
+                let (wrap, filter) = sampler.transpose()?.map_or_else(Default::default, sampling);
+                let texture = self.textures.len() as u32;
+                self.textures.push(Texels {
+                    name: described.name.clone().unwrap_or_default(),
+                    source: Source::File(image),
+                    srgb,
+                    wrap,
+                    filter,
+                });
+                self.texture_of.insert((info.index, srgb), texture);
+                texture
+            }
+        };
+        let mut used = TextureRef { uv_set: info.tex_coord, ..TextureRef::new(texture) };
+        if let Some(transform) = &info.extensions.transform {
+            // The extension turns counter-clockwise in an image whose v points down.
+            used.transform = Affine2::from_scale_angle_translation(
+                Vec2::from(transform.scale),
+                -transform.rotation,
+                Vec2::from(transform.offset),
+            );
+            used.uv_set = transform.tex_coord.unwrap_or(used.uv_set);
+            if !used.transform.is_finite() {
+                return Err(document.fault(
+                    place,
+                    "a KHR_texture_transform is not finite; correct it and export the file again",
+                ));
+            }
+        }
+        Ok(Some(used))
+    }
+
+    /// Decodes the images, makes the textures that need computing, and gives all up.
+    pub(super) fn finish(mut self) -> Result<(Vec<Material>, Vec<Texture>), SceneError> {
+        let mut images =
+            image::Images::decode(self.document, self.textures.iter().filter_map(Texels::file_image))?;
+        for bake in std::mem::take(&mut self.bakes) {
+            let material = &mut self.materials[bake.material];
+            let place = format!("material '{}'", material.name);
+            let baked = match bake.what {
+                BakeKind::Transmission { strength, texture } => {
+                    bake::transmission(material, strength, texture, &self.textures, &mut images)
+                }
+                BakeKind::Glossy { factors, texture } => {
+                    bake::glossy(material, factors, texture, &self.textures, &mut images)
+                }
+            };
+            let mut baked = baked.map_err(|problem| self.document.fault(place, problem))?;
+            baked.assign(material, self.textures.len() as u32);
+            self.textures.append(&mut baked.textures);
+        }
+        Ok(self.keep_used(&images))
+    }
+
+    /// Leaves out the textures that only served to make others.
+    fn keep_used(mut self, images: &image::Images) -> (Vec<Material>, Vec<Texture>) {
+        let mut kept = Vec::new();
+        let mut new_index = vec![None; self.textures.len()];
+        for material in &mut self.materials {
+            let slots = [
+                &mut material.base_colour_texture,
+                &mut material.metallic_roughness_texture,
+                &mut material.normal_texture,
+                &mut material.occlusion_texture,
+                &mut material.emissive_texture,
+            ];
+            for used in slots.into_iter().flatten() {
+                let old = used.texture as usize;
+                used.texture = *new_index[old].get_or_insert_with(|| {
+                    kept.push(self.textures[old].with_image(images));
+                    kept.len() as u32 - 1
+                });
+            }
+        }
+        (self.materials, kept)
+    }
+}
+
+fn unit(factor: f32) -> f32 {
+    // A number that is none becomes 0.
+    factor.max(0.0).min(1.0)
+}
+
+/// Wrapping and filter of a sampler; an unknown number means the default.
+fn sampling(sampler: &schema::Sampler) -> ([Wrap; 2], Filter) {
+    let wrap = |code: Option<u32>| match code {
+        Some(33071) => Wrap::ClampToEdge,
+        Some(33648) => Wrap::MirroredRepeat,
+        _ => Wrap::Repeat,
+    };
+    let filter = if sampler.mag_filter == Some(9728) { Filter::Nearest } else { Filter::Linear };
+    ([wrap(sampler.wrap_s), wrap(sampler.wrap_t)], filter)
+}

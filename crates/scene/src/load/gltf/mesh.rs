@@ -1,0 +1,413 @@
+//! Meshes: vertex attributes of one glTF primitive become one [`Mesh`].
+
+use glam::{Vec2, Vec3, Vec4};
+
+#[cfg(feature = "draco")]
+use super::draco;
+use super::{
+    document::Document,
+    material::Materials,
+    node::named,
+    schema::{Index, Primitive},
+    topology::{self, Topology},
+};
+use crate::{
+    SceneError,
+    load::LoadWarning,
+    model::{Influence, Mesh, MorphTarget},
+};
+
+/// Joints are 16 bits here as in glTF; a file with a wider type may still hold small ones.
+const MAX_JOINT: u32 = u16::MAX as u32;
+/// Texture coordinate sets that are looked for; the specification asks for two.
+const MAX_UV_SETS: usize = 8;
+/// Joint sets that are looked for, of four joints each; the specification asks for one.
+const MAX_JOINT_SETS: usize = 8;
+
+/// The meshes read so far: a mesh of the file is read when first drawn.
+pub(super) struct Library<'d, 'a> {
+    document: &'d Document<'a>,
+    read: Vec<Option<Vec<DrawnPrimitive>>>,
+}
+
+/// A primitive that has triangles.
+#[derive(Clone, Copy)]
+pub(super) struct DrawnPrimitive {
+    /// Index into the scene's meshes.
+    pub mesh: u32,
+    /// Index in the glTF mesh.
+    pub geometry: u32,
+}
+
+impl<'d, 'a> Library<'d, 'a> {
+    pub(super) fn new(document: &'d Document<'a>) -> Self {
+        Self { document, read: vec![None; document.root.meshes.len()] }
+    }
+
+    /// The primitives of a mesh of the file, read into `meshes` the first time.
+    pub(super) fn primitives(
+        &mut self,
+        index: Index,
+        node_place: &str,
+        materials: &mut Materials<'_, '_>,
+        meshes: &mut Vec<Mesh>,
+    ) -> Result<Vec<DrawnPrimitive>, SceneError> {
+        let mesh = self.document.get(&self.document.root.meshes, index, "mesh", node_place)?;
+        if let Some(primitives) = &self.read[index] {
+            return Ok(primitives.clone());
+        }
+        let mut drawn = Vec::new();
+        for (number, primitive) in mesh.primitives.iter().enumerate() {
+            let place = format!("{}, primitive {number}", named("mesh", index, mesh.name.as_deref()));
+            let reader = Reader::new(self.document, primitive, place)?;
+            if let Some(mut read) = reader.mesh()? {
+                read.name = mesh.name.clone().unwrap_or_default();
+                read.material = materials.index(primitive.material, &reader.place)?;
+                drawn.push(DrawnPrimitive { mesh: meshes.len() as u32, geometry: number as u32 });
+                meshes.push(read);
+            }
+        }
+        self.read[index] = Some(drawn.clone());
+        Ok(drawn)
+    }
+}
+
+/// One primitive and where its data comes from.
+struct Reader<'d, 'a> {
+    document: &'d Document<'a>,
+    primitive: &'d Primitive,
+    place: String,
+    #[cfg(feature = "draco")]
+    draco: Option<draco::Decoded>,
+}
+
+impl<'d, 'a> Reader<'d, 'a> {
+    fn new(document: &'d Document<'a>, primitive: &'d Primitive, place: String) -> Result<Self, SceneError> {
+        #[cfg(feature = "draco")]
+        let draco = draco::decode(document, primitive, &place)?;
+        Ok(Self {
+            document,
+            primitive,
+            place,
+            #[cfg(feature = "draco")]
+            draco,
+        })
+    }
+
+    /// The triangles; `None` if there are none to draw.
+    fn mesh(&self) -> Result<Option<Mesh>, SceneError> {
+        let document = self.document;
+        let topology = match Topology::from_code(self.primitive.mode.unwrap_or(4)) {
+            Ok(topology) => topology,
+            Err(Some(mode)) => {
+                document.warn(LoadWarning::NotTriangles { place: self.place.clone(), mode: mode.to_owned() });
+                return Ok(None);
+            }
+            Err(None) => {
+                let problem = "its mode is none of the seven of glTF 2.0; export the file again";
+                return Err(document.fault(&self.place, problem));
+            }
+        };
+        // A primitive may leave its positions to an extension (glTF 2.0, 3.7.2.1); none that is known here does.
+        let Some(positions) = self.floats::<3>("POSITION")? else {
+            document.repaired(&self.place, "it has no positions and is not drawn");
+            return Ok(None);
+        };
+        let positions: Vec<Vec3> = positions.into_iter().map(Vec3::from).collect();
+        if let Some(vertex) = positions.iter().position(|position| !position.is_finite()) {
+            return Err(self.not_finite("POSITION", vertex));
+        }
+        let vertex_count = positions.len();
+        let indices = self.triangles(topology, vertex_count)?;
+        if indices.is_empty() {
+            return Ok(None);
+        }
+        let mut mesh = Mesh { positions, indices, ..Mesh::default() };
+        self.read_frame(&mut mesh)?;
+        self.read_uv_sets(&mut mesh)?;
+        self.read_colours(&mut mesh)?;
+        self.read_influences(&mut mesh)?;
+        self.read_morph_targets(&mut mesh)?;
+        Ok(Some(mesh))
+    }
+
+    fn triangles(&self, topology: Topology, vertex_count: usize) -> Result<Vec<[u32; 3]>, SceneError> {
+        let place = format!("{}, indices", self.place);
+        let listed = self.indices(&place)?;
+        if let Some(wild) = listed.iter().flatten().find(|&&index| index as usize >= vertex_count) {
+            let problem =
+                format!("index {wild} refers to one of only {vertex_count} vertices; export the file again");
+            return Err(self.document.fault(place, problem));
+        }
+        let count = listed.as_ref().map_or(vertex_count, Vec::len);
+        self.document.charge(topology.triangle_count(count), size_of::<[u32; 3]>(), &place)?;
+        if topology.leftover(count) > 0 {
+            self.document.repaired(&place, "the last triangle is not complete and was left out");
+        }
+        Ok(match listed {
+            Some(listed) => topology::triangles(topology, count, |at| listed[at]),
+            None => topology::triangles(topology, count, |at| at as u32),
+        })
+    }
+
+    fn indices(&self, place: &str) -> Result<Option<Vec<u32>>, SceneError> {
+        #[cfg(feature = "draco")]
+        if let Some(decoded) = &self.draco {
+            return Ok(Some(decoded.indices.clone()));
+        }
+        let Some(accessor) = self.primitive.indices else { return Ok(None) };
+        let indices = self.document.integers::<1>(accessor, place)?;
+        Ok(Some(indices.into_iter().map(|[index]| index).collect()))
+    }
+
+    /// Normals and tangents.
+    fn read_frame(&self, mesh: &mut Mesh) -> Result<(), SceneError> {
+        let vertex_count = mesh.positions.len();
+        let Some(normals) = self.sized_floats::<3>("NORMAL", vertex_count)? else { return Ok(()) };
+        mesh.normals = normals.into_iter().map(|normal| Vec3::from(normal).normalize_or_zero()).collect();
+        if mesh.normals.contains(&Vec3::ZERO) {
+            fill_missing_normals(mesh);
+            self.document.repaired(&self.place, "normals without direction were made from the triangles");
+        }
+        // Without normals tangents mean nothing (glTF 2.0, 3.7.2.1).
+        let Some(tangents) = self.sized_floats::<4>("TANGENT", vertex_count)? else { return Ok(()) };
+        let tangents: Vec<Vec4> = tangents
+            .into_iter()
+            .map(Vec4::from)
+            .map(|tangent| {
+                tangent.truncate().normalize_or_zero().extend(if tangent.w < 0.0 { -1.0 } else { 1.0 })
+            })
+            .collect();
+        if tangents.iter().any(|tangent| tangent.truncate() == Vec3::ZERO) {
+            self.document
+                .repaired(&self.place, "tangents without direction were made from the texture coordinates");
+        } else {
+            mesh.tangents = tangents;
+        }
+        Ok(())
+    }
+
+    fn read_uv_sets(&self, mesh: &mut Mesh) -> Result<(), SceneError> {
+        let vertex_count = mesh.positions.len();
+        for set in 0..MAX_UV_SETS {
+            let name = format!("TEXCOORD_{set}");
+            let Some(uvs) = self.sized_floats::<2>(&name, vertex_count)? else { continue };
+            let mut uvs: Vec<Vec2> = uvs.into_iter().map(Vec2::from).collect();
+            if uvs.iter().any(|uv| !uv.is_finite()) {
+                uvs.iter_mut().filter(|uv| !uv.is_finite()).for_each(|uv| *uv = Vec2::ZERO);
+                self.document.repaired(
+                    &format!("{}, {name}", self.place),
+                    "coordinates that were not finite became 0",
+                );
+            }
+            // A gap in the numbers is filled, so that set n stays number n.
+            self.document.charge(
+                (set - mesh.uv_sets.len()) * vertex_count,
+                size_of::<Vec2>(),
+                &self.place,
+            )?;
+            mesh.uv_sets.resize(set, vec![Vec2::ZERO; vertex_count]);
+            mesh.uv_sets.push(uvs);
+        }
+        Ok(())
+    }
+
+    fn read_colours(&self, mesh: &mut Mesh) -> Result<(), SceneError> {
+        let Some(&accessor) = self.primitive.attributes.get("COLOR_0") else { return Ok(()) };
+        let vertex_count = mesh.positions.len();
+        let colours = match self.document.component_count(accessor, &self.place)? {
+            3 => {
+                let opaque = |[r, g, b]: [f32; 3]| [r, g, b, 1.0];
+                self.sized_floats::<3>("COLOR_0", vertex_count)?
+                    .map(|rgb| rgb.into_iter().map(opaque).collect())
+            }
+            _ => self.sized_floats::<4>("COLOR_0", vertex_count)?,
+        };
+        mesh.colours = colours.unwrap_or_default().into_iter().map(Vec4::from).collect();
+        if let Some(vertex) = mesh.colours.iter().position(|colour| !colour.is_finite()) {
+            return Err(self.not_finite("COLOR_0", vertex));
+        }
+        for colour in &mut mesh.colours {
+            *colour = colour.max(Vec4::ZERO).min(Vec3::MAX.extend(1.0));
+        }
+        Ok(())
+    }
+
+    fn read_influences(&self, mesh: &mut Mesh) -> Result<(), SceneError> {
+        let vertex_count = mesh.positions.len();
+        let mut sets = Vec::new();
+        for set in 0..MAX_JOINT_SETS {
+            let joints = self.sized_integers(&format!("JOINTS_{set}"), vertex_count)?;
+            let weights = self.sized_floats::<4>(&format!("WEIGHTS_{set}"), vertex_count)?;
+            let (Some(joints), Some(weights)) = (joints, weights) else { break };
+            sets.push((joints, weights));
+        }
+        if sets.is_empty() {
+            return Ok(());
+        }
+        mesh.influences_per_vertex = 4 * sets.len();
+        self.document.charge(
+            vertex_count * mesh.influences_per_vertex,
+            size_of::<Influence>(),
+            &self.place,
+        )?;
+        mesh.influences.reserve_exact(vertex_count * mesh.influences_per_vertex);
+        for vertex in 0..vertex_count {
+            let start = mesh.influences.len();
+            for (set, (joints, weights)) in sets.iter().enumerate() {
+                for (&joint, &weight) in joints[vertex].iter().zip(&weights[vertex]) {
+                    if joint > MAX_JOINT {
+                        let place = format!("{}, JOINTS_{set}", self.place);
+                        let problem = format!(
+                            "vertex {vertex} hangs on joint {joint}, but there are at most 65536; export the file again"
+                        );
+                        return Err(self.document.fault(place, problem));
+                    }
+                    if !weight.is_finite() {
+                        return Err(self.not_finite(&format!("WEIGHTS_{set}"), vertex));
+                    }
+                    // A joint without weight may be any number in the file.
+                    let pulls = weight > 0.0;
+                    let joint = if pulls { joint as u16 } else { 0 };
+                    mesh.influences.push(Influence { joint, weight: weight.max(0.0) });
+                }
+            }
+            normalise_weights(&mut mesh.influences[start..]);
+        }
+        Ok(())
+    }
+
+    fn read_morph_targets(&self, mesh: &mut Mesh) -> Result<(), SceneError> {
+        let vertex_count = mesh.positions.len();
+        for (number, target) in self.primitive.targets.iter().enumerate() {
+            let displacements = |name: &str, used: bool| -> Result<Vec<Vec3>, SceneError> {
+                let Some(&accessor) = target.get(name).filter(|_| used) else { return Ok(Vec::new()) };
+                let place = format!("{}, morph target {number}, {name}", self.place);
+                let deltas = self.document.floats::<3>(accessor, &place)?;
+                self.check_count(deltas.len(), vertex_count, &place)?;
+                let deltas: Vec<Vec3> = deltas.into_iter().map(Vec3::from).collect();
+                match deltas.iter().position(|delta| !delta.is_finite()) {
+                    Some(vertex) => Err(self.document.fault(place, not_finite_text(accessor, vertex))),
+                    None => Ok(deltas),
+                }
+            };
+            let target = MorphTarget {
+                positions: displacements("POSITION", true)?,
+                normals: displacements("NORMAL", !mesh.normals.is_empty())?,
+            };
+            mesh.morph_targets.push(target);
+        }
+        Ok(())
+    }
+
+    /// An attribute, if the primitive has it.
+    fn floats<const N: usize>(&self, name: &str) -> Result<Option<Vec<[f32; N]>>, SceneError> {
+        let Some(&accessor) = self.primitive.attributes.get(name) else { return Ok(None) };
+        let place = format!("{}, {name}", self.place);
+        #[cfg(feature = "draco")]
+        if let Some(attribute) = self.draco.as_ref().and_then(|decoded| decoded.attributes.get(name)) {
+            return attribute.floats(self.document, accessor, &place).map(Some);
+        }
+        self.document.floats(accessor, &place).map(Some)
+    }
+
+    fn sized_floats<const N: usize>(
+        &self,
+        name: &str,
+        vertex_count: usize,
+    ) -> Result<Option<Vec<[f32; N]>>, SceneError> {
+        let values = self.floats(name)?;
+        if let Some(values) = &values {
+            self.check_count(values.len(), vertex_count, &format!("{}, {name}", self.place))?;
+        }
+        Ok(values)
+    }
+
+    fn sized_integers(&self, name: &str, vertex_count: usize) -> Result<Option<Vec<[u32; 4]>>, SceneError> {
+        let Some(&accessor) = self.primitive.attributes.get(name) else { return Ok(None) };
+        let place = format!("{}, {name}", self.place);
+        #[cfg(feature = "draco")]
+        if let Some(attribute) = self.draco.as_ref().and_then(|decoded| decoded.attributes.get(name)) {
+            let values = attribute.integers(self.document, &place)?;
+            self.check_count(values.len(), vertex_count, &place)?;
+            return Ok(Some(values));
+        }
+        let values = self.document.integers(accessor, &place)?;
+        self.check_count(values.len(), vertex_count, &place)?;
+        Ok(Some(values))
+    }
+
+    fn check_count(&self, count: usize, vertex_count: usize, place: &str) -> Result<(), SceneError> {
+        if count == vertex_count {
+            return Ok(());
+        }
+        let problem = format!("there are {count} values for {vertex_count} positions; export the file again");
+        Err(self.document.fault(place, problem))
+    }
+
+    fn not_finite(&self, name: &str, vertex: usize) -> SceneError {
+        let accessor = self.primitive.attributes.get(name).copied().unwrap_or_default();
+        self.document.fault(format!("{}, {name}", self.place), not_finite_text(accessor, vertex))
+    }
+}
+
+fn not_finite_text(accessor: Index, element: usize) -> String {
+    format!(
+        "element {element} of accessor {accessor} is not finite; repair the mesh and export the file again"
+    )
+}
+
+/// Weights that sum to one; a vertex that nothing pulls hangs on its first joint.
+fn normalise_weights(influences: &mut [Influence]) {
+    let sum: f32 = influences.iter().map(|influence| influence.weight).sum();
+    if sum > 0.0 && sum.is_finite() {
+        influences.iter_mut().for_each(|influence| influence.weight /= sum);
+    } else if let Some(first) = influences.first_mut() {
+        first.weight = 1.0;
+    }
+}
+
+/// Area-weighted normals of the triangles around each vertex that has none.
+fn fill_missing_normals(mesh: &mut Mesh) {
+    let mut sums = vec![Vec3::ZERO; mesh.positions.len()];
+    for triangle in &mesh.indices {
+        let [a, b, c] = triangle.map(|index| mesh.positions[index as usize]);
+        let doubled_area = (b - a).cross(c - a);
+        for &index in triangle {
+            sums[index as usize] += doubled_area;
+        }
+    }
+    for (normal, sum) in mesh.normals.iter_mut().zip(sums) {
+        if *normal == Vec3::ZERO {
+            *normal = sum.normalize_or(Vec3::Y);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn weights_sum_to_one_or_rest_on_the_first_joint() {
+        let pull = |weight| Influence { joint: 7, weight };
+        let mut influences = [pull(0.5), pull(1.5), pull(0.0)];
+        normalise_weights(&mut influences);
+        assert_eq!(influences.map(|influence| influence.weight), [0.25, 0.75, 0.0]);
+        let mut nothing = [pull(0.0); 2];
+        normalise_weights(&mut nothing);
+        assert_eq!(nothing.map(|influence| influence.weight), [1.0, 0.0]);
+    }
+
+    #[test]
+    fn a_missing_normal_comes_from_the_triangles() {
+        let mut mesh = Mesh {
+            positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y],
+            normals: vec![Vec3::X, Vec3::ZERO, Vec3::ZERO],
+            indices: vec![[0, 1, 2]],
+            ..Mesh::default()
+        };
+        fill_missing_normals(&mut mesh);
+        assert_eq!(mesh.normals, [Vec3::X, Vec3::Z, Vec3::Z]);
+    }
+}

@@ -1,0 +1,150 @@
+//! glTF 2.0 files, `.gltf` and `.glb`.
+//!
+//! The JSON is read with this module's own [`schema`], because files in practice hold what stricter readers refuse: buffers without data
+//! behind a compression extension, sparse accessors without a view, required extensions newer than any list.
+//!
+//! **Trust.** A file is input from a stranger. Only files below its own folder are opened. Every index, offset and length is checked where
+//! it is used, and recursion is avoided where a file chooses the depth. What one file may take: the JSON costs at most about
+//! 200 times its size; everything decoded from buffers together at most [`BASE_BYTES`] plus [`BYTES_PER_INPUT_BYTE`] times the bytes read;
+//! images at most [`IMAGE_BYTES`] together.
+
+use std::path::Path;
+
+use crate::{
+    SceneError,
+    environment::Environment,
+    load::{LoadWarning, Loaded},
+    model::SceneParts,
+    scene::Scene,
+};
+
+mod accessor;
+mod animation;
+mod bake;
+mod document;
+mod image;
+mod material;
+mod mesh;
+mod node;
+mod resource;
+mod schema;
+mod topology;
+
+use document::Document;
+
+/// What geometry and animation may take in memory, whatever the size of the file.
+const BASE_BYTES: u64 = 512 << 20;
+/// What they may take on top of that for each byte read: the compression formats reach ratios of about 30.
+const BYTES_PER_INPUT_BYTE: u64 = 64;
+/// What all images of a file may take in memory when decoded.
+const IMAGE_BYTES: u64 = 6 << 30;
+
+/// Extensions that are drawn as they say.
+const DRAWN: &[&str] = &[
+    "EXT_mesh_gpu_instancing",
+    "EXT_meshopt_compression",
+    "EXT_texture_webp",
+    #[cfg(feature = "draco")]
+    "KHR_draco_mesh_compression",
+    "KHR_lights_punctual",
+    "KHR_materials_emissive_strength",
+    "KHR_materials_pbrSpecularGlossiness",
+    // Warned about where it is used.
+    "KHR_materials_transmission",
+    "KHR_materials_unlit",
+    "KHR_mesh_quantization",
+    "KHR_meshopt_compression",
+    "KHR_node_visibility",
+    #[cfg(feature = "ktx2")]
+    "KHR_texture_basisu",
+    "KHR_texture_transform",
+    // Metadata: there is nothing to see.
+    "KHR_xmp",
+    "KHR_xmp_json_ld",
+];
+
+/// Extensions whose absence changes the look but not the sense of a file, so that a file may even require them.
+const IGNORED: &[&str] = &[
+    "KHR_animation_pointer",
+    "KHR_materials_anisotropy",
+    "KHR_materials_clearcoat",
+    "KHR_materials_diffuse_transmission",
+    "KHR_materials_dispersion",
+    "KHR_materials_ior",
+    "KHR_materials_iridescence",
+    "KHR_materials_sheen",
+    "KHR_materials_specular",
+    "KHR_materials_variants",
+    "KHR_materials_volume",
+];
+
+/// How much of the neutral surroundings a file with lights of its own is shown in: enough to see what its lights miss.
+const DIM: f32 = 0.15;
+
+/// Loads a file.
+pub(super) fn load(path: &Path) -> Result<Loaded, SceneError> {
+    let bytes = resource::read_file(path)?;
+    load_slice(&bytes, path)
+}
+
+/// Loads the bytes of a file that lies, or could lie, at `path`.
+pub(super) fn load_slice(bytes: &[u8], path: &Path) -> Result<Loaded, SceneError> {
+    let document = Document::parse(bytes, path)?;
+    check_extensions(&document)?;
+
+    let mut parts = SceneParts {
+        name: path.file_stem().unwrap_or(path.as_os_str()).to_string_lossy().into_owned(),
+        exposure: 1.0,
+        ..SceneParts::default()
+    };
+    let hierarchy = node::Hierarchy::build(&document)?;
+    parts.nodes = hierarchy.nodes(&document)?;
+    parts.cameras = hierarchy.cameras(&document)?;
+    parts.lights = hierarchy.lights(&document)?;
+    parts.environment = if parts.lights.is_empty() { Environment::default() } else { dim_environment() };
+    parts.animations = animation::read(&document, &hierarchy, &mut parts.nodes)?;
+    parts.skins = hierarchy.skins(&document)?;
+    let mut materials = material::Materials::new(&document);
+    hierarchy.place_meshes(&document, &mut materials, &mut parts)?;
+    (parts.materials, parts.textures) = materials.finish()?;
+
+    let scene = Scene::new(parts).map_err(|error| match error {
+        SceneError::Invalid { place, problem, .. } => document.fault(place, problem),
+        other => other,
+    })?;
+    Ok(Loaded { scene, warnings: document.into_warnings() })
+}
+
+/// Refuses a file that cannot be understood without an unknown extension; notes the ones that have no effect.
+fn check_extensions(document: &Document<'_>) -> Result<(), SceneError> {
+    let root = &document.root;
+    for extension in &root.extensions_required {
+        let name = extension.as_str();
+        if !DRAWN.contains(&name) && !IGNORED.contains(&name) {
+            let remedy = match name {
+                "KHR_draco_mesh_compression" => "build with the cargo feature `draco`",
+                "KHR_texture_basisu" => "build with the cargo feature `ktx2`",
+                _ => "export the file again without it",
+            };
+            let problem = format!("the file needs the extension {name}, which is not supported; {remedy}");
+            return Err(document.fault("extensionsRequired", problem));
+        }
+    }
+    for extension in root.extensions_used.iter().chain(&root.extensions_required) {
+        if !DRAWN.contains(&extension.as_str()) {
+            document.warn(LoadWarning::ExtensionIgnored { extension: extension.clone() });
+        }
+    }
+    Ok(())
+}
+
+fn dim_environment() -> Environment {
+    let mut environment = Environment::default();
+    environment.zenith *= DIM;
+    environment.horizon *= DIM;
+    environment.ground *= DIM;
+    for lobe in &mut environment.lobes {
+        lobe.radiance *= DIM;
+    }
+    environment
+}

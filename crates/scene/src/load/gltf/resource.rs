@@ -1,0 +1,245 @@
+//! Bytes: the two containers, files beside the file, and data URIs.
+
+use std::{
+    borrow::Cow,
+    fs::File,
+    io::{self, Read},
+    path::{Component, Path, PathBuf},
+};
+
+use crate::SceneError;
+
+/// `glTF` in little endian (glTF 2.0, 4.4.2).
+const GLB_MAGIC: [u8; 4] = *b"glTF";
+const GLB_CHUNK_JSON: [u8; 4] = *b"JSON";
+const GLB_CHUNK_BIN: [u8; 4] = *b"BIN\0";
+
+/// Reads a regular file; a device or pipe, which may never end, is refused.
+pub(super) fn read_file(path: &Path) -> Result<Vec<u8>, SceneError> {
+    let read = || {
+        let mut file = File::open(path)?;
+        let metadata = file.metadata()?;
+        if !metadata.is_file() {
+            return Err(io::Error::new(io::ErrorKind::InvalidInput, "this is not a file"));
+        }
+        let mut bytes = Vec::new();
+        let length = usize::try_from(metadata.len()).map_err(|_| io::ErrorKind::OutOfMemory)?;
+        bytes.try_reserve_exact(length).map_err(|_| io::ErrorKind::OutOfMemory)?;
+        file.read_to_end(&mut bytes)?;
+        Ok(bytes)
+    };
+    read().map_err(|source| SceneError::Read { path: path.to_owned(), source })
+}
+
+/// The JSON text and the binary chunk, if there is one.
+pub(super) fn split_container(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), String> {
+    if !bytes.starts_with(&GLB_MAGIC) {
+        return Ok((bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes), None));
+    }
+    let word =
+        |at: usize| bytes.get(at..at + 4).and_then(|word| word.try_into().ok()).map(u32::from_le_bytes);
+    let cut_short = || "the file is cut short; copy or export it again".to_owned();
+    let version = word(4).ok_or_else(cut_short)?;
+    if version != 2 {
+        return Err(format!("this is a GLB container of version {version}; export the file as glTF 2.0"));
+    }
+    let length = word(8).ok_or_else(cut_short)? as usize;
+    let bytes = bytes.get(..length).ok_or_else(cut_short)?;
+
+    let mut chunks = Vec::new();
+    let mut at = 12;
+    // Two chunks have a meaning; unknown ones may follow (glTF 2.0, 4.4.3).
+    while at < bytes.len() && chunks.len() < 2 {
+        let length = word(at).ok_or_else(cut_short)? as usize;
+        let start = at + 8;
+        let end = start.checked_add(length).ok_or_else(cut_short)?;
+        let kind = bytes.get(at + 4..start).ok_or_else(cut_short)?;
+        chunks.push((kind, bytes.get(start..end).ok_or_else(cut_short)?));
+        at = end.next_multiple_of(4);
+    }
+    match chunks[..] {
+        [(kind, json), ref rest @ ..] if kind == GLB_CHUNK_JSON => {
+            let binary = rest.first().filter(|(kind, _)| *kind == GLB_CHUNK_BIN).map(|(_, data)| *data);
+            Ok((json, binary))
+        }
+        _ => Err("the first chunk of the GLB container is not JSON; export the file again".to_owned()),
+    }
+}
+
+/// The bytes a URI stands for: inline data, or a file below `folder`. The error says what is wrong and what to do.
+pub(super) fn read_uri(uri: &str, folder: &Path) -> Result<Vec<u8>, UriError> {
+    if uri.get(..5).is_some_and(|scheme| scheme.eq_ignore_ascii_case("data:")) {
+        return decode_data_uri(&uri[5..]).map_err(UriError::Refused);
+    }
+    let path = path_below(uri, folder).map_err(UriError::Refused)?;
+    match read_file(&path) {
+        Err(SceneError::Read { source, .. }) if source.kind() == io::ErrorKind::NotFound => {
+            // Some exporters write names with a literal percent sign.
+            let literal = path_below(&uri.replace('%', "%25"), folder).map_err(UriError::Refused)?;
+            read_file(&literal).map_err(|_| UriError::Unreadable(SceneError::Read { path, source }))
+        }
+        result => result.map_err(UriError::Unreadable),
+    }
+}
+
+/// Why a URI gives no bytes.
+pub(super) enum UriError {
+    /// What is wrong with it and what to do.
+    Refused(String),
+    /// The system would not read the file.
+    Unreadable(SceneError),
+}
+
+fn path_below(uri: &str, folder: &Path) -> Result<PathBuf, String> {
+    let shown = shorten(uri);
+    let has_scheme = uri.split_once(':').is_some_and(|(scheme, _)| {
+        scheme.chars().all(|letter| letter.is_ascii_alphanumeric() || "+-.".contains(letter))
+    });
+    if has_scheme {
+        return Err(format!(
+            "'{shown}' is not beside the file; fetch it, put it there, and refer to it by name"
+        ));
+    }
+    let decoded = decode_percent(uri.as_bytes());
+    let text = String::from_utf8(decoded.into_owned())
+        .map_err(|_| format!("'{shown}' is not a file name in UTF-8"))?;
+    // Windows exporters write backslashes.
+    let relative = PathBuf::from(text.replace('\\', "/"));
+    let stays_below =
+        relative.components().all(|component| matches!(component, Component::Normal(_) | Component::CurDir));
+    if !stays_below || text.contains('\0') || text.is_empty() {
+        return Err(format!(
+            "'{shown}' lies outside the folder of the file; move it there and refer to it by a relative name"
+        ));
+    }
+    Ok(folder.join(relative))
+}
+
+/// `mediatype;base64,data` or `mediatype,percent-encoded` (RFC 2397).
+fn decode_data_uri(rest: &str) -> Result<Vec<u8>, String> {
+    let (header, data) = rest.split_once(',').ok_or("the data URI has no comma; export the file again")?;
+    if header.ends_with(";base64") {
+        decode_base64(data.as_bytes())
+            .ok_or_else(|| "the data URI is not valid base64; export the file again".to_owned())
+    } else {
+        Ok(decode_percent(data.as_bytes()).into_owned())
+    }
+}
+
+/// `%20` and the like (RFC 3986, 2.1); a percent sign that starts no escape stands for itself.
+fn decode_percent(text: &[u8]) -> Cow<'_, [u8]> {
+    if !text.contains(&b'%') {
+        return Cow::Borrowed(text);
+    }
+    let digit = |at: usize| text.get(at).and_then(|&letter| char::from(letter).to_digit(16));
+    let mut out = Vec::with_capacity(text.len());
+    let mut at = 0;
+    while let Some(&letter) = text.get(at) {
+        match (letter, digit(at + 1), digit(at + 2)) {
+            (b'%', Some(high), Some(low)) => {
+                out.push((high * 16 + low) as u8);
+                at += 3;
+            }
+            _ => {
+                out.push(letter);
+                at += 1;
+            }
+        }
+    }
+    Cow::Owned(out)
+}
+
+/// Standard or URL-safe alphabet, padded or not, white space skipped (RFC 4648).
+fn decode_base64(text: &[u8]) -> Option<Vec<u8>> {
+    let mut out = Vec::with_capacity(text.len() / 4 * 3 + 3);
+    let (mut bits, mut bit_count) = (0_u32, 0);
+    let data = text.iter().filter(|letter| !letter.is_ascii_whitespace());
+    for &letter in data.take_while(|&&letter| letter != b'=') {
+        let value = match letter {
+            b'A'..=b'Z' => letter - b'A',
+            b'a'..=b'z' => letter - b'a' + 26,
+            b'0'..=b'9' => letter - b'0' + 52,
+            b'+' | b'-' => 62,
+            b'/' | b'_' => 63,
+            _ => return None,
+        };
+        bits = bits << 6 | u32::from(value);
+        bit_count += 6;
+        if bit_count >= 8 {
+            bit_count -= 8;
+            out.push((bits >> bit_count) as u8);
+        }
+    }
+    Some(out)
+}
+
+/// A URI short enough for a message.
+fn shorten(uri: &str) -> String {
+    const LONGEST: usize = 80;
+    match uri.char_indices().nth(LONGEST) {
+        Some((end, _)) => format!("{}…", &uri[..end]),
+        None => uri.to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn base64_follows_the_rfc() {
+        let cases = [
+            ("", ""),
+            ("Zg==", "f"),
+            ("Zm8=", "fo"),
+            ("Zm9v", "foo"),
+            ("Zm9vYmFy", "foobar"),
+            ("Zm9vYg", "foob"),
+        ];
+        for (text, plain) in cases {
+            assert_eq!(decode_base64(text.as_bytes()).unwrap(), plain.as_bytes());
+        }
+        assert_eq!(decode_base64(b"+/-_").unwrap(), [0xFB, 0xFF, 0xBF]);
+        assert_eq!(decode_base64(b"Zm9v!"), None);
+    }
+
+    #[test]
+    fn data_uris_come_in_both_encodings() {
+        assert_eq!(decode_data_uri("text/plain,a%20b%2").unwrap(), b"a b%2");
+        assert_eq!(decode_data_uri("application/octet-stream;base64,AAEC").unwrap(), [0, 1, 2]);
+        assert!(decode_data_uri("application/octet-stream;base64").is_err());
+    }
+
+    #[test]
+    fn files_stay_below_the_folder() {
+        let folder = Path::new("scenes");
+        assert_eq!(path_below("Normal%20Map.png", folder).unwrap(), Path::new("scenes/Normal Map.png"));
+        assert_eq!(path_below("./textures\\a.png", folder).unwrap(), Path::new("scenes/./textures/a.png"));
+        for outside in [
+            "../a.bin",
+            "a/../../b",
+            "/etc/passwd",
+            "http://x/y.bin",
+            "%2e%2e/a",
+            "..\\a",
+            "file:a",
+            "a%00b",
+            "",
+        ] {
+            assert!(path_below(outside, folder).is_err(), "{outside}");
+        }
+    }
+
+    #[test]
+    fn a_glb_is_split_into_its_chunks() {
+        let mut glb = b"glTF\x02\0\0\0\0\0\0\0\x04\0\0\0JSON{}  \x04\0\0\0BIN\0data".to_vec();
+        glb[8] = glb.len() as u8;
+        assert_eq!(split_container(&glb).unwrap(), (&b"{}  "[..], Some(&b"data"[..])));
+        for length in 4..glb.len() {
+            assert!(split_container(&glb[..length]).is_err(), "{length}");
+        }
+        glb[4] = 1;
+        assert!(split_container(&glb).unwrap_err().contains("version 1"));
+        assert_eq!(split_container(b"\xEF\xBB\xBF{}").unwrap(), (&b"{}"[..], None));
+    }
+}
