@@ -1,0 +1,287 @@
+//! Built-in scenes, one file a scene, made from seeded parts so that the same text gives the same bits everywhere.
+//!
+//! A scene is a row of the table in [`catalogue`]: its description, its parameters and the function that builds it. A new scene is a new
+//! file and a new row. What scenes share lies beside them: [`stage`] puts parts together, [`shape`] models, [`paint`] makes textures,
+//! [`palette`] holds the materials of the town; [`house`], [`foliage`], [`furniture`], [`square`] and [`smoke`] are what stands in it.
+
+use std::fmt;
+
+use crate::{SceneError, scene::Scene};
+
+mod calibration;
+mod chance;
+mod foliage;
+mod furniture;
+mod house;
+mod layers;
+mod paint;
+mod palette;
+mod pane;
+mod plume;
+mod shape;
+mod smoke;
+mod smoke_square;
+mod square;
+mod stage;
+
+pub use layers::{LayerColours, layers_closed_form};
+
+/// What there is to know about a built-in scene.
+#[derive(Debug)]
+pub struct BuiltinInfo {
+    /// The word on the command line.
+    pub name: &'static str,
+    /// One line on what it shows.
+    pub title: &'static str,
+    /// The figure or section of a paper that it is made after.
+    pub source: &'static str,
+    /// What can be set, `seed` last.
+    pub parameters: &'static [ParameterInfo],
+    build: fn(&Values<'_>) -> Result<Scene, SceneError>,
+}
+
+/// One parameter of a built-in scene.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ParameterInfo {
+    /// The word before the `=`.
+    pub key: &'static str,
+    /// Its value where none is given.
+    pub default: &'static str,
+    /// What it may be.
+    pub range: ParameterRange,
+    /// What it does.
+    pub what: &'static str,
+}
+
+/// Values that a parameter may take.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ParameterRange {
+    /// A whole number from the first to the second, both included.
+    Count(u32, u32),
+    /// A number from the first to the second, both included.
+    Real(f32, f32),
+    /// One of these words.
+    Choice(&'static [&'static str]),
+}
+
+impl fmt::Display for ParameterRange {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Count(low, high) => write!(f, "{low}..={high}"),
+            Self::Real(low, high) => write!(f, "{low:?}..={high:?}"),
+            Self::Choice(words) => f.write_str(&words.join("|")),
+        }
+    }
+}
+
+/// Every scene takes this one.
+const SEED: ParameterInfo = ParameterInfo {
+    key: "seed",
+    default: "0",
+    range: ParameterRange::Count(0, u32::MAX),
+    what: "another seed, another arrangement of the same scene",
+};
+
+/// All built-in scenes, in the order in which `sheer scenes` lists them.
+#[must_use]
+pub fn catalogue() -> &'static [BuiltinInfo] {
+    &[
+        BuiltinInfo {
+            name: "smoke-square",
+            title: "a town square in late light; the camera passes through a drifting cloud of smoke",
+            source: "STD Fig. 9 and 12",
+            parameters: smoke_square::PARAMETERS,
+            build: smoke_square::build,
+        },
+        BuiltinInfo {
+            name: "pane",
+            title: "one transparent pane in the town square",
+            source: "STD Fig. 6 and 7",
+            parameters: pane::PARAMETERS,
+            build: pane::build,
+        },
+        BuiltinInfo {
+            name: "calibration",
+            title: "ten opacity levels over black, each above the opaque grey it has to match",
+            source: "STD Fig. 2",
+            parameters: calibration::PARAMETERS,
+            build: calibration::build,
+        },
+        BuiltinInfo {
+            name: "layers",
+            title: "constant layers over a constant background, with a closed-form answer",
+            source: "ST section 3.1",
+            parameters: layers::PARAMETERS,
+            build: layers::build,
+        },
+        BuiltinInfo {
+            name: "plume",
+            title: "a plume of smoke particles rising from a fire bowl",
+            source: "ST Fig. 8",
+            parameters: plume::PARAMETERS,
+            build: plume::build,
+        },
+    ]
+}
+
+/// Builds a scene from `name` or `name:key=value,key=value`.
+///
+/// # Errors
+/// [`SceneError::Unknown`] if no scene has that name; [`SceneError::Parameter`] with what is allowed if a key or a value is off.
+pub fn build(text: &str) -> Result<Scene, SceneError> {
+    let (name, settings) = text.split_once(':').unwrap_or((text, ""));
+    let info = catalogue()
+        .iter()
+        .find(|info| info.name == name)
+        .ok_or_else(|| SceneError::Unknown(text.to_owned()))?;
+    (info.build)(&Values::parse(info, settings)?)
+}
+
+/// The parameters of a scene that is being built, each one checked against its range.
+struct Values<'a> {
+    info: &'static BuiltinInfo,
+    given: Vec<(&'static str, &'a str)>,
+}
+
+impl<'a> Values<'a> {
+    fn parse(info: &'static BuiltinInfo, settings: &'a str) -> Result<Self, SceneError> {
+        let problem = |problem| SceneError::Parameter { scene: info.name.to_owned(), problem };
+        let mut given: Vec<(&'static str, &str)> = Vec::new();
+        for setting in settings.split(',').map(str::trim).filter(|setting| !setting.is_empty()) {
+            let (key, value) =
+                setting.split_once('=').ok_or_else(|| problem(format!("'{setting}' is not KEY=VALUE")))?;
+            let parameter =
+                info.parameters.iter().find(|parameter| parameter.key == key).ok_or_else(|| {
+                    let allowed: Vec<_> =
+                        info.parameters.iter().map(|p| format!("{} ({})", p.key, p.range)).collect();
+                    problem(format!("there is no parameter '{key}'; it takes {}", allowed.join(", ")))
+                })?;
+            if !parameter.range.holds(value) {
+                return Err(problem(format!("{key}={value} is not in {}", parameter.range)));
+            }
+            if given.iter().any(|(earlier, _)| *earlier == key) {
+                return Err(problem(format!("{key} is given twice")));
+            }
+            given.push((parameter.key, value));
+        }
+        Ok(Self { info, given })
+    }
+
+    fn text(&self, key: &str) -> &str {
+        if let Some((_, value)) = self.given.iter().find(|(given, _)| *given == key) {
+            return value;
+        }
+        let parameter = self.info.parameters.iter().find(|parameter| parameter.key == key);
+        parameter.expect("a scene asks only for parameters of its own row").default
+    }
+
+    fn count(&self, key: &str) -> u32 {
+        self.text(key).parse().expect("checked against its range")
+    }
+
+    fn real(&self, key: &str) -> f32 {
+        self.text(key).parse().expect("checked against its range")
+    }
+
+    fn seed(&self) -> u32 {
+        self.count(SEED.key)
+    }
+}
+
+impl ParameterRange {
+    fn holds(self, value: &str) -> bool {
+        match self {
+            Self::Count(low, high) => value.parse().is_ok_and(|count: u32| (low..=high).contains(&count)),
+            Self::Real(low, high) => value.parse().is_ok_and(|real: f32| (low..=high).contains(&real)),
+            Self::Choice(words) => words.contains(&value),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Few enough particles that a test takes little time; the rest as it stands.
+    fn light(info: &BuiltinInfo) -> String {
+        let particles = info.parameters.iter().any(|parameter| parameter.key == "particles");
+        if particles { format!("{}:particles=500,", info.name) } else { format!("{}:", info.name) }
+    }
+
+    /// Everything that a seed may change, as text.
+    fn fingerprint(scene: &Scene) -> u64 {
+        let parts = scene.parts();
+        let meshes = parts.meshes.iter().flat_map(|mesh| mesh.positions.iter().flat_map(|p| p.to_array()));
+        let colours = parts.materials.iter().flat_map(|material| material.base_colour.to_array());
+        let particles = parts.particles.iter().flat_map(|system| &system.particles);
+        let motion = particles.flat_map(|particle| [particle.origin.x, particle.velocity.y, particle.alpha]);
+        let numbers = meshes.chain(colours).chain(motion).flat_map(f32::to_le_bytes);
+        let texels =
+            parts.textures.iter().flat_map(|texture| texture.image.as_slice().iter().flatten().copied());
+        sheer_core::hash::fnv1a(numbers.chain(texels))
+    }
+
+    #[test]
+    fn every_scene_of_the_catalogue_builds_with_its_defaults() {
+        for info in catalogue() {
+            let scene = build(info.name).unwrap();
+            assert_eq!(scene.name(), info.name);
+            assert_eq!(scene.parts().cameras.iter().filter(|camera| camera.name == "static").count(), 1);
+            assert_eq!(info.parameters.last(), Some(&SEED), "{}", info.name);
+            for parameter in info.parameters {
+                assert!(parameter.range.holds(parameter.default), "{} {}", info.name, parameter.key);
+            }
+        }
+    }
+
+    #[test]
+    fn the_same_seed_gives_the_same_scene_and_another_seed_another() {
+        // The ten levels are what they are; nothing in them is left to chance.
+        for info in catalogue().iter().filter(|info| info.name != "calibration") {
+            let text = light(info);
+            let first = fingerprint(&build(&format!("{text}seed=3")).unwrap());
+            assert_eq!(first, fingerprint(&build(&format!("{text}seed=3")).unwrap()), "{}", info.name);
+            assert_ne!(first, fingerprint(&build(&format!("{text}seed=4")).unwrap()), "{}", info.name);
+        }
+    }
+
+    #[test]
+    fn threads_do_not_change_a_scene() {
+        let text = "smoke-square:particles=100";
+        let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+        let one_thread = alone.install(|| fingerprint(&build(text).unwrap()));
+        assert_eq!(one_thread, fingerprint(&build(text).unwrap()));
+    }
+
+    #[test]
+    fn wrong_parameters_are_refused_with_what_is_allowed() {
+        assert!(matches!(build("smoke"), Err(SceneError::Unknown(text)) if text == "smoke"));
+        for (text, says) in [
+            ("layers:count=0", "count=0 is not in 1..=64"),
+            ("layers:alpha=1.5", "0.0..=1.0"),
+            ("layers:alpha=nan", "0.0..=1.0"),
+            ("layers:colours=grey", "white|rainbow|red-green"),
+            ("layers:depth=3", "there is no parameter 'depth'; it takes count (1..=64)"),
+            ("layers:count", "'count' is not KEY=VALUE"),
+            ("layers:count=2,count=3", "count is given twice"),
+            ("calibration:seed=-1", "seed=-1"),
+        ] {
+            let error = build(text).unwrap_err();
+            assert!(matches!(error, SceneError::Parameter { .. }), "{error}");
+            assert!(error.to_string().contains(says), "{text}: {error}");
+        }
+    }
+
+    #[test]
+    fn the_town_keeps_to_its_budget() {
+        let scene = build("smoke-square").unwrap();
+        let parts = scene.parts();
+        let triangle_count: usize =
+            parts.instances.iter().map(|instance| parts.meshes[instance.mesh as usize].indices.len()).sum();
+        assert!((150_000..=400_000).contains(&triangle_count), "{triangle_count} triangles");
+        let texels: usize = parts.textures.iter().map(|texture| texture.image.as_slice().len()).sum();
+        assert!(4 * texels <= 60 << 20, "{texels} texels");
+        let largest = parts.textures.iter().map(|texture| texture.image.width()).max();
+        assert!(largest <= Some(512));
+    }
+}

@@ -1,0 +1,198 @@
+//! `smoke-square`: a cloud of smoke drifts over the town square, and the camera passes through it (STD Fig. 9 and 12).
+//!
+//! In the middle of the cloud a ray meets tens of layers, which is where rendering all of them becomes slow.
+
+use glam::Vec3;
+
+use super::{
+    ParameterInfo, ParameterRange, SEED, Values,
+    chance::Chance,
+    smoke::{self, ATLAS},
+    square,
+    stage::Stage,
+};
+use crate::{
+    SceneError,
+    camera::{Camera, CameraKey, CameraMotion, Lens},
+    particle::{Particle, ParticleSystem, Turbulence},
+    scene::Scene,
+};
+
+pub(super) const PARAMETERS: &[ParameterInfo] = &[
+    ParameterInfo {
+        key: "particles",
+        default: "6000",
+        range: ParameterRange::Count(0, 1_000_000),
+        what: "how many quads the cloud is made of",
+    },
+    ParameterInfo {
+        key: "density",
+        default: "1.0",
+        range: ParameterRange::Real(0.0, 3.0),
+        what: "factor on the opacity of every puff",
+    },
+    SEED,
+];
+
+/// The middle of the bank of smoke, and its half axes.
+const CLOUD: Vec3 = Vec3::new(3.6, 1.75, 0.2);
+const CLOUD_RADII: Vec3 = Vec3::new(3.9, 1.45, 2.5);
+/// The cloud is never twice the same within this time.
+const LOOP_SECS: f32 = 18.0;
+/// The wind blows from the fire bowl towards the west.
+const WIND: Vec3 = Vec3::new(-0.20, 0.015, 0.05);
+const YFOV_RAD: f32 = 0.87;
+
+pub(super) fn build(values: &Values<'_>) -> Result<Scene, SceneError> {
+    let mut stage = Stage::new("smoke-square", square::sky());
+    square::raise(&mut stage, values.seed());
+    let material = smoke::material(&mut stage, values.seed());
+    let cloud = cloud(values.count("particles"), values.real("density"), values.seed());
+    stage.particles(ParticleSystem {
+        name: "cloud".to_owned(),
+        material,
+        atlas: ATLAS,
+        particles: cloud,
+        loop_secs: Some(LOOP_SECS),
+        turbulence: Turbulence { amplitude: 0.10, scale: 2.6, speed: 0.035 },
+        fade: [0.22, 0.34],
+        near_fade: [1.1, 0.2],
+    });
+
+    let key = |time_secs, eye: Vec3, target: Vec3| CameraKey { time_secs, eye, target };
+    stage.camera(Camera {
+        name: "path".to_owned(),
+        lens: Lens::Perspective { yfov_rad: YFOV_RAD },
+        motion: CameraMotion::Path {
+            keys: vec![
+                key(0.0, Vec3::new(12.8, 1.75, 5.6), Vec3::new(3.5, 2.3, -4.0)),
+                key(3.0, Vec3::new(8.6, 1.70, 3.0), Vec3::new(1.0, 2.2, -5.5)),
+                key(6.0, Vec3::new(3.6, 1.68, 0.6), Vec3::new(-2.4, 2.2, -7.5)),
+                key(9.0, Vec3::new(-1.6, 1.70, 1.4), Vec3::new(-5.0, 2.4, -8.0)),
+                key(12.0, Vec3::new(-7.4, 1.75, 5.0), Vec3::new(-3.8, 3.0, -8.0)),
+            ],
+        },
+    });
+    stage.camera(Camera::fixed("static", 0.80, Vec3::new(-9.2, 1.72, 13.2), Vec3::new(0.9, 3.35, -5.0)));
+    stage.finish()
+}
+
+/// Billows that are born, roll along with the wind and dissolve, and a stream that feeds them from the fire bowl.
+fn cloud(count: u32, density: f32, seed: u32) -> Vec<Particle> {
+    let mut chance = Chance::new(seed, "cloud");
+    let stream_count = count / 6;
+    let billow_size = 60;
+    let mut particles = Vec::with_capacity(count as usize);
+    let mut billow = (Vec3::ZERO, 0.0, 0.0, Vec3::ZERO);
+    for index in 0..count - stream_count {
+        if index % billow_size == 0 {
+            // Denser towards the middle and the bottom, as smoke that has cooled lies.
+            let mut place = chance.direction() * chance.unit().powf(0.45);
+            place.y *= if place.y > 0.0 { 0.9 } else { 0.8 };
+            let drift = WIND * chance.between(0.7, 1.3) + chance.direction() * 0.03;
+            billow = (
+                CLOUD + place * CLOUD_RADII,
+                chance.between(0.45, 0.85),
+                chance.between(0.0, LOOP_SECS),
+                drift,
+            );
+        }
+        let (centre, size, birth_secs, drift) = billow;
+        let shell = chance.direction() * chance.unit().powf(0.4) * size;
+        let mut middle = centre + shell * Vec3::new(1.15, 0.8, 1.0);
+        middle.y = middle.y.max(0.30);
+        let rise = Vec3::Y * 0.02;
+        let velocity = drift + shell * 0.025 + rise;
+        let wisp = chance.happens(0.12);
+        let half_size = if wisp { chance.between(0.55, 0.8) } else { chance.between(0.24, 0.46) };
+        particles.push(Particle {
+            birth_secs: birth_secs + chance.about(0.0, 1.2),
+            lifetime_secs: LOOP_SECS,
+            origin: middle - velocity * (0.5 * LOOP_SECS),
+            velocity,
+            acceleration: Vec3::ZERO,
+            half_size: [half_size * 0.7, half_size * 1.3],
+            rotation_rad: chance.between(0.0, std::f32::consts::TAU),
+            spin_rad_per_sec: chance.about(0.0, 0.10),
+            alpha: (density * if wisp { chance.between(0.08, 0.14) } else { chance.between(0.12, 0.34) })
+                .min(1.0),
+            tint: smoke::tint(&mut chance),
+            tile: chance.below(ATLAS[0] * ATLAS[1]),
+        });
+    }
+    for _ in 0..stream_count {
+        let lifetime_secs = 9.0;
+        let aim = CLOUD + Vec3::new(1.9, 0.2, -0.4) + chance.gaussian() * Vec3::new(0.9, 0.35, 0.5);
+        let origin = square::FIRE_BOWL + Vec3::Y * 1.0 + chance.gaussian() * Vec3::new(0.12, 0.03, 0.12);
+        // It shoots up and bends over: the acceleration takes back the rise by the end of its life.
+        let lift = Vec3::Y * chance.between(0.45, 0.62);
+        let acceleration = -lift * (1.7 / lifetime_secs);
+        let velocity = (aim - origin - 0.5 * acceleration * lifetime_secs * lifetime_secs) / lifetime_secs;
+        particles.push(Particle {
+            birth_secs: chance.between(0.0, LOOP_SECS),
+            lifetime_secs,
+            origin,
+            velocity,
+            acceleration,
+            half_size: [chance.between(0.07, 0.12), chance.between(0.45, 0.75)],
+            rotation_rad: chance.between(0.0, std::f32::consts::TAU),
+            spin_rad_per_sec: chance.about(0.0, 0.35),
+            alpha: (density * chance.between(0.12, 0.30)).min(1.0),
+            tint: smoke::tint(&mut chance) * 0.9,
+            tile: chance.below(ATLAS[0] * ATLAS[1]),
+        });
+    }
+    particles
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{builtin, camera::pose_on_rails, particle::Puff};
+
+    /// Where the puffs are at a time, those that can be seen.
+    fn puffs(scene: &Scene, time_secs: f32) -> Vec<Puff> {
+        let system = &scene.parts().particles[0];
+        let alive = (0..system.particles.len()).filter_map(|index| system.puff(index, time_secs));
+        alive.filter(|puff| puff.alpha > 0.02).collect()
+    }
+
+    /// Optical depth of the puffs around a point: how much a metre of smoke there would hide.
+    fn thickness(puffs: &[Puff], at: Vec3) -> f32 {
+        let near = puffs.iter().filter(|puff| puff.centre.distance(at) < 0.8);
+        near.map(|puff| puff.alpha * 4.0 * puff.half_size * puff.half_size).sum()
+    }
+
+    #[test]
+    fn the_camera_passes_through_the_cloud() {
+        let scene = builtin::build("smoke-square").unwrap();
+        let camera = &scene.parts().cameras[0];
+        let eye = |time_secs| pose_on_rails(camera.lens, &camera.motion, time_secs).unwrap().eye();
+        let inside = thickness(&puffs(&scene, 6.0), eye(6.0));
+        for time_secs in [0.0, 12.0] {
+            let outside = thickness(&puffs(&scene, time_secs), eye(time_secs));
+            assert!(outside < 0.02 * inside, "{outside} at {time_secs} s, {inside} in the middle");
+        }
+        assert!(eye(0.0).x > eye(6.0).x && eye(6.0).x > eye(12.0).x, "from right to left");
+    }
+
+    #[test]
+    fn a_ray_through_the_middle_meets_tens_of_layers() {
+        let scene = builtin::build("smoke-square").unwrap();
+        // Quads face the camera: one that is nearer to the ray than the radius of its puff is met.
+        let met = |puff: &&Puff| (puff.centre - CLOUD).with_z(0.0).length() < puff.half_size;
+        let layer_count = puffs(&scene, 2.0).iter().filter(met).count();
+        assert!((30..=200).contains(&layer_count), "{layer_count}");
+    }
+
+    #[test]
+    fn the_lamp_post_stands_between_the_sun_and_the_cloud() {
+        let sun = square::towards_sun();
+        // Where the shadow of a point of the post passes the axis of the cloud.
+        let lantern = square::SHADOW_LAMP + Vec3::Y * 4.1;
+        let travel = (lantern.z - CLOUD.z) / sun.z;
+        let shadow = lantern - sun * travel;
+        let offset = ((shadow - CLOUD) / CLOUD_RADII).length();
+        assert!(travel > 0.0 && offset < 1.0, "shadow at {shadow}, {offset}");
+    }
+}
