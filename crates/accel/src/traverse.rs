@@ -188,18 +188,21 @@ impl Shear {
     /// lanes where one is 0.
     #[inline(always)]
     fn hit<L: Lanes>(&self, lanes: L, block: &Block, t_min: f32, t_max: f32) -> Option<BlockHits> {
-        let [x, y, z] = self.axes.map(|axis| &block.vertices[axis]);
-        let z = [0, 1, 2].map(|vertex| lanes.sub(lanes.load(&z[vertex]), lanes.splat(self.origin[2])));
-        let shear = |rows: &[[f32; WIDTH]; 3], axis: usize| {
-            [0, 1, 2].map(|vertex: usize| {
-                let from_origin = lanes.sub(lanes.load(&rows[vertex]), lanes.splat(self.origin[axis]));
-                lanes.sub(from_origin, lanes.mul(z[vertex], lanes.splat(self.slope[axis])))
-            })
-        };
-        let x = shear(x, 0);
-        let y = shear(y, 1);
-        let area = |a: usize, b: usize| lanes.sub(lanes.mul(x[a], y[b]), lanes.mul(y[a], x[b]));
-        let areas = [area(2, 1), area(0, 2), area(1, 0)];
+        // No closures, no `map`: what is not `inline(always)` is compiled without the path's instructions.
+        let [x_axis, y_axis, z_axis] = self.axes;
+        let [a, b, c] = &block.vertices[z_axis];
+        let z = [
+            translate(lanes, a, self.origin[2]),
+            translate(lanes, b, self.origin[2]),
+            translate(lanes, c, self.origin[2]),
+        ];
+        let x = shear(lanes, &block.vertices[x_axis], self.origin[0], self.slope[0], z);
+        let y = shear(lanes, &block.vertices[y_axis], self.origin[1], self.slope[1], z);
+        let areas = [
+            cross(lanes, x[2], y[2], x[1], y[1]),
+            cross(lanes, x[0], y[0], x[2], y[2]),
+            cross(lanes, x[1], y[1], x[0], y[0]),
+        ];
 
         let zero = lanes.splat(0.0);
         let least = lanes.min(lanes.min(areas[0], areas[1]), areas[2]);
@@ -213,9 +216,11 @@ impl Shear {
 
         let inverse = lanes.div(lanes.splat(1.0), lanes.add(lanes.add(areas[0], areas[1]), areas[2]));
         // The weights before the depth: areas times depths could leave the range of f32.
-        let weights = areas.map(|area| lanes.mul(area, inverse));
-        let [a, b, c] = [0, 1, 2].map(|vertex| lanes.mul(weights[vertex], z[vertex]));
-        let t = lanes.mul(lanes.add(lanes.add(a, b), c), lanes.splat(self.slope[2]));
+        let weights =
+            [lanes.mul(areas[0], inverse), lanes.mul(areas[1], inverse), lanes.mul(areas[2], inverse)];
+        let depth = lanes.add(lanes.mul(weights[0], z[0]), lanes.mul(weights[1], z[1]));
+        let depth = lanes.add(depth, lanes.mul(weights[2], z[2]));
+        let t = lanes.mul(depth, lanes.splat(self.slope[2]));
         let within = lanes.le(lanes.splat(t_min), t) & lanes.le(t, lanes.splat(t_max));
         let mut hits = BlockHits {
             lanes: inside & within,
@@ -274,4 +279,26 @@ impl Shear {
             front,
         })
     }
+}
+
+#[inline(always)]
+fn translate<L: Lanes>(lanes: L, row: &[f32; WIDTH], origin: f32) -> L::F {
+    lanes.sub(lanes.load(row), lanes.splat(origin))
+}
+
+/// One coordinate of three vertices, seen along the ray.
+#[inline(always)]
+fn shear<L: Lanes>(lanes: L, rows: &[[f32; WIDTH]; 3], origin: f32, slope: f32, z: [L::F; 3]) -> [L::F; 3] {
+    let slope = lanes.splat(slope);
+    [
+        lanes.sub(translate(lanes, &rows[0], origin), lanes.mul(z[0], slope)),
+        lanes.sub(translate(lanes, &rows[1], origin), lanes.mul(z[1], slope)),
+        lanes.sub(translate(lanes, &rows[2], origin), lanes.mul(z[2], slope)),
+    ]
+}
+
+/// Twice the area of the triangle that the origin of the plane makes with `a` and `b`.
+#[inline(always)]
+fn cross<L: Lanes>(lanes: L, ax: L::F, ay: L::F, bx: L::F, by: L::F) -> L::F {
+    lanes.sub(lanes.mul(ax, by), lanes.mul(ay, bx))
 }

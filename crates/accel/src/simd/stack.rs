@@ -44,20 +44,22 @@ impl Stack {
         }
     }
 
-    /// Room for eight more entries, of which `write` fills the first `count` or more.
-    ///
-    /// # Safety
-    /// `write` initialises `count` elements behind each pointer and writes at most eight.
+    /// Where the next eight entries go.
     ///
     /// # Panics
     /// When more than [`LEVEL_LIMIT`] levels are open.
     #[inline(always)]
-    pub(crate) unsafe fn push_block(&mut self, count: usize, write: impl FnOnce(*mut f32, *mut Child)) {
+    pub(crate) fn reserve(&mut self) -> (*mut f32, *mut Child) {
         assert!(self.len + WIDTH <= CAPACITY, "the builder bounds the depth of the tree");
-        write(
-            self.near[self.len..].as_mut_ptr().cast::<f32>(),
-            self.children[self.len..].as_mut_ptr().cast::<Child>(),
-        );
+        (self.near[self.len..].as_mut_ptr().cast(), self.children[self.len..].as_mut_ptr().cast())
+    }
+
+    /// Takes over `count` entries written to the reserved places.
+    ///
+    /// # Safety
+    /// The first `count` places behind both pointers are written since [`Stack::reserve`].
+    #[inline(always)]
+    pub(crate) unsafe fn grow(&mut self, count: usize) {
         self.len += count;
     }
 }

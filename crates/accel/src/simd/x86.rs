@@ -129,10 +129,10 @@ macro_rules! arithmetic {
                 // The permutation reads the lowest three bits of each index only.
                 let children =
                     _mm256_permutevar8x32_epi32(_mm256_loadu_si256(children.as_ptr().cast()), bits);
-                stack.push_block(hits.count_ones() as usize, |near_slots, child_slots| {
-                    _mm256_storeu_si256(near_slots.cast(), near);
-                    _mm256_storeu_si256(child_slots.cast(), children);
-                });
+                let (near_slots, child_slots) = stack.reserve();
+                _mm256_storeu_si256(near_slots.cast(), near);
+                _mm256_storeu_si256(child_slots.cast(), children);
+                stack.grow(hits.count_ones() as usize);
             });
         }
     };
