@@ -1,1 +1,21 @@
-//! Image in, number out: SSIM, PSNR and friends.
+//! Image in, number out: how far a picture is from its reference.
+//!
+//! Structural similarity, PSNR and FLIP compare what a display shows ([`sheer_image::display_over_black`]);
+//! RMS and bias compare linear light; flicker takes either. No function here knows which method made a
+//! picture, and none depends on the number of threads: sums run row by row in a fixed order.
+
+mod convolve;
+mod difference;
+mod error;
+mod false_colour;
+mod flicker;
+mod flip;
+mod ssim;
+
+pub use convolve::gaussian_blur;
+pub use difference::{bias, bias_per_channel, psnr_db, rms, rms_per_channel};
+pub use error::MetricError;
+pub use false_colour::{error_legend, error_map, false_colour};
+pub use flicker::{Flicker, flicker};
+pub use flip::{DEFAULT_PIXELS_PER_DEGREE, flip, flip_map};
+pub use ssim::{ssim, ssim_map};
