@@ -1,9 +1,11 @@
-//! A blue noise mask by void and cluster: Ulichney, *The void-and-cluster method for dither array generation*, 1993.
+//! A blue noise mask by void and cluster: Ulichney, *The void-and-cluster method for dither array
+//! generation*, 1993.
 //!
-//! Pixels are ranked so that, for every threshold, those below it are spread evenly without a grid. Where the paper leaves
-//! a choice it is fixed here: a Gaussian of σ = 1.5 pixels on the torus, and the lower index among equals. Energies are
-//! whole numbers, so that adding and taking away pixels is exact and every machine builds the same mask. Updating them
-//! around the changed pixel alone makes a 64×64 mask in tens of milliseconds.
+//! Pixels are ranked so that, for every threshold, those below it are spread evenly without a grid. Where the
+//! paper leaves a choice it is fixed here: a Gaussian of σ = 1.5 pixels on the torus, and the lower index
+//! among equals. Energies are whole numbers, so that adding and taking away pixels is exact and every machine
+//! builds the same mask. Updating them around the changed pixel alone makes a 64×64 mask in tens of
+//! milliseconds.
 
 use std::sync::OnceLock;
 
@@ -135,7 +137,8 @@ fn rank_all(side: u32, seed: u64) -> Vec<u16> {
     let count = side * side;
     let mut pattern = Pattern::empty(side);
 
-    // Initial pattern: a tenth of the pixels at random, then moved from clusters to voids until nothing moves.
+    // Initial pattern: a tenth of the pixels at random, then moved from clusters to voids until nothing
+    // moves.
     let first_count = (count / 10).max(1);
     let mut random = Pcg32::new(seed, 0);
     let mut missing = first_count;
@@ -166,8 +169,8 @@ fn rank_all(side: u32, seed: u64) -> Vec<u16> {
     }
     initial.into_iter().for_each(|index| pattern.toggle(index));
 
-    // Phases 2 and 3: fill the largest void. Ulichney's third phase takes the tightest cluster of the unset pixels, which
-    // is the same pixel: on a torus the energies of set and unset pixels add up to a constant.
+    // Phases 2 and 3: fill the largest void. Ulichney's third phase takes the tightest cluster of the unset
+    // pixels, which is the same pixel: on a torus the energies of set and unset pixels add up to a constant.
     for rank in first_count..count {
         let void = pattern.largest_void();
         pattern.toggle(void);
@@ -183,7 +186,8 @@ mod tests {
     use super::*;
     use crate::hash::fnv1a;
 
-    /// Mean power of the frequencies up to `limit` cycles per pixel, relative to that of all frequencies but 0.
+    /// Mean power of the frequencies up to `limit` cycles per pixel, relative to that of all frequencies but
+    /// 0.
     fn low_frequency_share(values: &[f32], side: usize, limit: f64) -> f64 {
         let mean = values.iter().map(|&v| f64::from(v)).sum::<f64>() / values.len() as f64;
         let wave: Vec<(f64, f64)> =

@@ -1,4 +1,5 @@
-//! Hashes and a random stream: the integer ones give the same bits on every machine and in a shader of the same name.
+//! Hashes and a random stream: the integer ones give the same bits on every machine and in a shader of the
+//! same name.
 
 use glam::{Vec2, Vec3, Vec4};
 
@@ -6,7 +7,8 @@ use glam::{Vec2, Vec3, Vec4};
 const LCG_MULTIPLIER: u32 = 1_664_525;
 const LCG_INCREMENT: u32 = 1_013_904_223;
 
-/// Hash of one number, a bijection: `pcg` of Jarzynski and Olano, *Hash Functions for GPU Rendering*, JCGT 9 (3), 2020.
+/// Hash of one number, a bijection: `pcg` of Jarzynski and Olano, *Hash Functions for GPU Rendering*, JCGT 9
+/// (3), 2020.
 #[must_use]
 pub const fn pcg(v: u32) -> u32 {
     let state = v.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
@@ -28,7 +30,8 @@ pub const fn pcg2d([mut x, mut y]: [u32; 2]) -> [u32; 2] {
     [x ^ (x >> 16), y ^ (y >> 16)]
 }
 
-/// Hash of three numbers to three, a bijection: `pcg3d` of Jarzynski and Olano 2020. Their choice for speed and quality.
+/// Hash of three numbers to three, a bijection: `pcg3d` of Jarzynski and Olano 2020. Their choice for speed
+/// and quality.
 #[must_use]
 pub const fn pcg3d([mut x, mut y, mut z]: [u32; 3]) -> [u32; 3] {
     x = lcg(x);
@@ -72,7 +75,8 @@ const fn lcg(v: u32) -> u32 {
     v.wrapping_mul(LCG_MULTIPLIER).wrapping_add(LCG_INCREMENT)
 }
 
-/// Random bits as a number in [0, 1): the top 24 bits, which a 32-bit float holds exactly, so that 1 never comes out.
+/// Random bits as a number in [0, 1): the top 24 bits, which a 32-bit float holds exactly, so that 1 never
+/// comes out.
 #[must_use]
 pub const fn unit_from_bits(bits: u32) -> f32 {
     const STEP: f32 = 1.0 / (1 << 24) as f32;
@@ -89,8 +93,8 @@ pub fn fnv1a(bytes: impl IntoIterator<Item = u8>) -> u64 {
 
 /// McGuire's hash of two numbers to [0, 1) (*The Graphics Codex* 2.13; STD appendix, Listing 6 `hash`).
 ///
-/// It rests on the platform's `sin`, so that its bits differ between machines, and degrades for large arguments; the
-/// `pcg` family is the default for both reasons.
+/// It rests on the platform's `sin`, so that its bits differ between machines, and degrades for large
+/// arguments; the `pcg` family is the default for both reasons.
 #[must_use]
 pub fn mcguire2(v: Vec2) -> f32 {
     fract_below_one(1.0e4 * (17.0 * v.x + 0.1 * v.y).sin() * (0.1 + (13.0 * v.y + v.x).sin().abs()))
@@ -108,7 +112,8 @@ pub fn mcguire4(v: Vec4) -> f32 {
     mcguire2(Vec2::new(mcguire2(Vec2::new(v.x, v.y)), mcguire2(Vec2::new(v.z, v.w))))
 }
 
-/// `frac` of the listing. A tiny negative number rounds to 1, which would index past the end of a table: cut below 1.
+/// `frac` of the listing. A tiny negative number rounds to 1, which would index past the end of a table: cut
+/// below 1.
 fn fract_below_one(v: f32) -> f32 {
     (v - v.floor()).min(1.0_f32.next_down())
 }
@@ -131,7 +136,8 @@ pub struct Pcg32 {
 impl Pcg32 {
     /// The stream number `stream` of the family `seed`.
     ///
-    /// Both pass through SplitMix64: two bare PCG streams that start from the same state are visibly correlated.
+    /// Both pass through SplitMix64: two bare PCG streams that start from the same state are visibly
+    /// correlated.
     #[must_use]
     pub fn new(seed: u64, stream: u64) -> Self {
         let mixed = splitmix64(splitmix64(seed).wrapping_add(stream));
@@ -269,7 +275,8 @@ mod tests {
 
     #[test]
     fn mcguires_hashes_are_roughly_uniform_at_random_places() {
-        // Small arguments, where the hash is meant to be used. Its flaws show beyond a few hundred thousand samples.
+        // Small arguments, where the hash is meant to be used. Its flaws show beyond a few hundred thousand
+        // samples.
         let mut random = Pcg32::new(1, 0);
         let places: Vec<[f32; 4]> =
             (0..SIDE * SIDE).map(|_| [(); 4].map(|()| random.range(0.0, 10.0))).collect();

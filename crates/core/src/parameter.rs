@@ -67,9 +67,11 @@ impl Values {
     pub fn parse(known: &'static [ParameterInfo], settings: &str) -> Result<Self, String> {
         let mut given: Vec<(&'static str, String)> = Vec::new();
         for setting in settings.split(',').map(str::trim).filter(|setting| !setting.is_empty()) {
-            let (key, value) = setting.split_once('=').ok_or_else(|| format!("'{setting}' is not KEY=VALUE"))?;
+            let (key, value) =
+                setting.split_once('=').ok_or_else(|| format!("'{setting}' is not KEY=VALUE"))?;
             let parameter = known.iter().find(|parameter| parameter.key == key).ok_or_else(|| {
-                let allowed: Vec<_> = known.iter().map(|known| format!("{} ({})", known.key, known.range)).collect();
+                let allowed: Vec<_> =
+                    known.iter().map(|known| format!("{} ({})", known.key, known.range)).collect();
                 let allowed = if allowed.is_empty() { "none".to_owned() } else { allowed.join(", ") };
                 format!("there is no parameter '{key}'; it takes {allowed}")
             })?;
@@ -122,7 +124,12 @@ mod tests {
 
     const KNOWN: &[ParameterInfo] = &[
         ParameterInfo { key: "count", default: "3", range: ParameterRange::Count(1, 8), what: "" },
-        ParameterInfo { key: "hash", default: "pcg", range: ParameterRange::Choice(&["pcg", "mcguire"]), what: "" },
+        ParameterInfo {
+            key: "hash",
+            default: "pcg",
+            range: ParameterRange::Choice(&["pcg", "mcguire"]),
+            what: "",
+        },
     ];
 
     #[test]

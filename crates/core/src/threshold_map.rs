@@ -1,8 +1,9 @@
-//! The 3×3 threshold maps of STD section 3.3: an ordered dither for one object, walked through over nine frames.
+//! The 3×3 threshold maps of STD section 3.3: an ordered dither for one object, walked through over nine
+//! frames.
 //!
-//! Of all arrangements of the thresholds 0…8 those stay whose direct neighbours, on the torus, differ by more than 1; the
-//! 288 of them with the largest squared differences (Eq. 6) are the maps. The paper leaves their order open, ours is
-//! fixed: score descending, then lexicographic. There is no tie at the cut.
+//! Of all arrangements of the thresholds 0…8 those stay whose direct neighbours, on the torus, differ by more
+//! than 1; the 288 of them with the largest squared differences (Eq. 6) are the maps. The paper leaves their
+//! order open, ours is fixed: score descending, then lexicographic. There is no tie at the cut.
 
 use std::sync::OnceLock;
 
@@ -29,7 +30,8 @@ pub struct Statistics {
     pub score_counts: Vec<(u32, usize)>,
     /// The lowest score that is chosen.
     pub cut_score: u32,
-    /// The highest score that is not chosen. Less than `cut_score`: the choice does not depend on the order of ties.
+    /// The highest score that is not chosen. Less than `cut_score`: the choice does not depend on the order
+    /// of ties.
     pub next_score: u32,
 }
 
@@ -63,10 +65,12 @@ pub fn score(map: &ThresholdMap) -> u32 {
     neighbours(map).map(|(a, b)| u32::from(a.abs_diff(b)).pow(2)).sum()
 }
 
-/// The cell of a map that a pixel uses in a frame: column and row, 0 to 2 (STD Listing 4, `shift` and the modulo).
+/// The cell of a map that a pixel uses in a frame: column and row, 0 to 2 (STD Listing 4, `shift` and the
+/// modulo).
 ///
-/// The walk is serpentine, so that each step leads to a direct neighbour and no two successive frames use thresholds that
-/// differ by 1. Each nine frames that start at a multiple of nine visit all cells; the walk repeats after 18.
+/// The walk is serpentine, so that each step leads to a direct neighbour and no two successive frames use
+/// thresholds that differ by 1. Each nine frames that start at a multiple of nine visit all cells; the walk
+/// repeats after 18.
 #[must_use]
 pub fn shift(pixel: [u32; 2], frame: u32) -> [u32; 2] {
     let offset_y = frame / SIDE;
@@ -173,7 +177,8 @@ mod tests {
             assert!(walk.windows(2).all(|pair| pair[0].abs_diff(pair[1]) > 1), "{walk:?}");
             assert_eq!(walk[0], walk[18], "the walk closes after 18 frames");
         }
-        // Without the mirrored rows, the step to the next row is a diagonal one that the filter does not cover.
+        // Without the mirrored rows, the step to the next row is a diagonal one that the filter does not
+        // cover.
         let raster = |frame: u32| [frame % 3, frame / 3 % 3];
         let jumps = std_maps().iter().any(|map| {
             let at = |frame: u32| map[(3 * raster(frame)[1] + raster(frame)[0]) as usize];

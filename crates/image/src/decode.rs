@@ -25,12 +25,13 @@ impl Default for TextureLimits {
 /// The formats that [`decode_texture`] reads, for messages.
 const FORMATS: &str = "PNG, JPEG or WebP";
 
-/// Decodes a PNG, JPEG or WebP to 8-bit RGBA with straight alpha, in the colour space of the file; the first picture of
-/// an animation. 16-bit channels are rounded to 8 bits, missing alpha is opaque. The format is told by the bytes.
-/// `name` says in messages what the bytes are, such as a file name.
+/// Decodes a PNG, JPEG or WebP to 8-bit RGBA with straight alpha, in the colour space of the file; the first
+/// picture of an animation. 16-bit channels are rounded to 8 bits, missing alpha is opaque. The format is
+/// told by the bytes. `name` says in messages what the bytes are, such as a file name.
 ///
 /// # Errors
-/// [`ImageError::TooLarge`] before anything large is allocated, [`ImageError::TooMuchMemory`], or [`ImageError::Decode`].
+/// [`ImageError::TooLarge`] before anything large is allocated, [`ImageError::TooMuchMemory`], or
+/// [`ImageError::Decode`].
 pub fn decode_texture(bytes: &[u8], name: &str, limits: TextureLimits) -> Result<Image<[u8; 4]>, ImageError> {
     let failed = |reason: String| ImageError::Decode { what: name.to_owned(), reason, formats: FORMATS };
     let refused = |error| match error {

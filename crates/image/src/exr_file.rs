@@ -12,9 +12,10 @@ use exr::prelude::{ReadChannels, ReadLayers, WritableImage};
 use crate::output::SOFTWARE;
 use crate::{ImageError, Metadata, Planes, TextureLimits, write_whole};
 
-/// Encodes a frame as one scan line part with the channels `R G B A` (premultiplied linear light), `depth.Z` (scene
-/// units, infinite where nothing is), `motion.X motion.Y` (pixels), all 32-bit float, and `instance.ID primitive.ID`,
-/// 32-bit unsigned. The mask of transparent pixels is not stored. The same frame gives the same bytes.
+/// Encodes a frame as one scan line part with the channels `R G B A` (premultiplied linear light), `depth.Z`
+/// (scene units, infinite where nothing is), `motion.X motion.Y` (pixels), all 32-bit float, and `instance.ID
+/// primitive.ID`, 32-bit unsigned. The mask of transparent pixels is not stored. The same frame gives the
+/// same bytes.
 ///
 /// # Errors
 /// [`ImageError::SizesDiffer`], [`ImageError::MetadataKey`] or [`ImageError::Encode`].
@@ -61,8 +62,9 @@ fn utf8_text(text: &str) -> Text {
     Text::from_bytes_unchecked(text.bytes().collect())
 }
 
-/// Puts the attributes of a single-part file in the order of their names. The encoder takes ours from a hash map, so
-/// that without this the same frame would give other bytes in each run. `None` if the header does not parse.
+/// Puts the attributes of a single-part file in the order of their names. The encoder takes ours from a hash
+/// map, so that without this the same frame would give other bytes in each run. `None` if the header does not
+/// parse.
 fn sort_header(bytes: &mut [u8]) -> Option<()> {
     const MAGIC_AND_VERSION_BYTES: usize = 8;
     let header = bytes.get(MAGIC_AND_VERSION_BYTES..)?;
@@ -92,11 +94,12 @@ pub fn write_exr(path: &Path, planes: &Planes, metadata: &Metadata) -> Result<()
     write_whole(path, &encode_exr(planes, metadata)?)
 }
 
-/// Reads what [`write_exr`] writes. `R`, `G` and `B` are needed; a missing `A` is opaque, other missing channels see
-/// nothing, and no pixel counts as transparent. Half floats are widened.
+/// Reads what [`write_exr`] writes. `R`, `G` and `B` are needed; a missing `A` is opaque, other missing
+/// channels see nothing, and no pixel counts as transparent. Half floats are widened.
 ///
 /// # Errors
-/// [`ImageError::Read`], [`ImageError::TooLarge`] above the default [`TextureLimits`], or [`ImageError::Decode`].
+/// [`ImageError::Read`], [`ImageError::TooLarge`] above the default [`TextureLimits`], or
+/// [`ImageError::Decode`].
 pub fn read_exr(path: &Path) -> Result<Planes, ImageError> {
     let bytes = std::fs::read(path).map_err(|source| ImageError::Read { path: path.to_owned(), source })?;
     let what = path.display().to_string();

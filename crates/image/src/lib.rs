@@ -1,7 +1,7 @@
 //! Images in memory and on disk: planes, EXR, PNG, the tone curve.
 //!
-//! This crate is the only one that reads and writes pixel files. In memory everything is linear light, top row first;
-//! [`ToneCurve`] is the one way from linear light to a display.
+//! This crate is the only one that reads and writes pixel files. In memory everything is linear light, top
+//! row first; [`ToneCurve`] is the one way from linear light to a display.
 
 mod decode;
 mod error;

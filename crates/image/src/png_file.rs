@@ -5,8 +5,8 @@ use std::path::Path;
 use crate::output::SOFTWARE;
 use crate::{Image, ImageError, Metadata, TextureLimits, ToneCurve, decode_texture, display, write_whole};
 
-/// Encodes sRGB pixels with straight alpha. The sRGB chunk says so; metadata goes to `tEXt` chunks, or `iTXt` where a
-/// text is not ASCII.
+/// Encodes sRGB pixels with straight alpha. The sRGB chunk says so; metadata goes to `tEXt` chunks, or `iTXt`
+/// where a text is not ASCII.
 ///
 /// # Errors
 /// [`ImageError::MetadataKey`], or [`ImageError::Encode`] for an image beyond PNG's limits.

@@ -21,7 +21,8 @@ impl<T> Image<T> {
     /// Takes pixels that are already in order: row by row, top row first.
     ///
     /// # Errors
-    /// [`ImageError::Size`] if a side is zero, [`ImageError::PixelCount`] if `data` is not `width * height` long.
+    /// [`ImageError::Size`] if a side is zero, [`ImageError::PixelCount`] if `data` is not `width * height`
+    /// long.
     pub fn from_vec(width: u32, height: u32, data: Vec<T>) -> Result<Self, ImageError> {
         if data.len() != pixel_count::<T>(width, height)? {
             return Err(ImageError::PixelCount { width, height, found: data.len() });
@@ -141,7 +142,8 @@ impl<T: Clone> Image<T> {
 }
 
 impl<T: Send> Image<T> {
-    /// [`Image::from_fn`] on all threads of the current rayon pool; the result does not depend on their number.
+    /// [`Image::from_fn`] on all threads of the current rayon pool; the result does not depend on their
+    /// number.
     ///
     /// # Errors
     /// [`ImageError::Size`] if a side is zero or memory does not suffice.

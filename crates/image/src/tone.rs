@@ -8,20 +8,23 @@ use crate::Image;
 /// How linear light above display white is brought into the range of a display.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ToneCurve {
-    /// The Khronos PBR Neutral tone mapper (specification of 2024): base colours under grey light come out as they were
-    /// authored, only what is brighter than 0.8 is compressed and then desaturated. It subtracts the 4 % that a
-    /// dielectric reflects head-on, so that such a surface lit by white shows exactly its base colour.
+    /// The Khronos PBR Neutral tone mapper (specification of 2024): base colours under grey light come out as
+    /// they were authored, only what is brighter than 0.8 is compressed and then desaturated. It subtracts
+    /// the 4 % that a dielectric reflects head-on, so that such a surface lit by white shows exactly its base
+    /// colour.
     #[default]
     Neutral,
     /// No curve: light above display white is cut off.
     None,
 }
 
-/// Radiance above which every curve here is display white in 32-bit floats; keeps infinity out of the arithmetic.
+/// Radiance above which every curve here is display white in 32-bit floats; keeps infinity out of the
+/// arithmetic.
 const BRIGHTEST: f32 = 1.0e9;
 
 impl ToneCurve {
-    /// Linear light, from 0 to infinity, to linear display light in [0, 1]. Negative numbers and NaN count as 0.
+    /// Linear light, from 0 to infinity, to linear display light in [0, 1]. Negative numbers and NaN count as
+    /// 0.
     #[must_use]
     pub fn apply(self, rgb: Vec3) -> Vec3 {
         let rgb = rgb.map(|channel| if channel > 0.0 { channel.min(BRIGHTEST) } else { 0.0 });
@@ -81,7 +84,8 @@ pub fn display(colour: &Image<[f32; 4]>, curve: ToneCurve) -> Image<[u8; 4]> {
     })
 }
 
-/// Premultiplied linear RGBA over a black background, as sRGB in [0, 1]: what metrics on displayed images compare.
+/// Premultiplied linear RGBA over a black background, as sRGB in [0, 1]: what metrics on displayed images
+/// compare.
 #[must_use]
 pub fn display_over_black(colour: &Image<[f32; 4]>, curve: ToneCurve) -> Image<[f32; 3]> {
     colour.par_map(|&[r, g, b, _]| curve.apply(Vec3::new(r, g, b)).map(srgb_from_linear).to_array())
