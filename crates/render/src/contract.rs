@@ -6,7 +6,12 @@
 use std::ops::ControlFlow;
 
 use glam::Vec3;
-use sheer_core::{blue_noise::blue_noise_64, colour::Premul, parameter::ParameterInfo, threshold_map::{ThresholdMap, std_maps}};
+use sheer_core::{
+    blue_noise::blue_noise_64,
+    colour::Premul,
+    parameter::ParameterInfo,
+    threshold_map::{ThresholdMap, std_maps},
+};
 
 /// Alpha below this is not there (STD Listing 2, `MIN_ALPHA`): it saves the shading of what nobody sees.
 pub const MIN_ALPHA: f32 = 0.01;

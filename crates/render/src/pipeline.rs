@@ -43,12 +43,18 @@ pub struct Settings {
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { size: [960, 540], seed: 0, background: Background::Environment, start_secs: 0.0, first_frame: 0 }
+        Self {
+            size: [960, 540],
+            seed: 0,
+            background: Background::Environment,
+            start_secs: 0.0,
+            first_frame: 0,
+        }
     }
 }
 
 /// Frames a second of an animated run.
-pub const FRAMES_PER_SEC: f32 = 30.0;
+const FRAMES_PER_SEC: f32 = 30.0;
 
 /// Maps frame indices to time.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -151,7 +157,9 @@ impl Pipeline {
         let settings = FrameSettings { size, frame, seed, jitter, background };
         let rendered = cpu::render(stage, &self.method, &settings)?;
         let start = Instant::now();
-        stage.pool().install(|| self.history.add(rendered.planes, self.method.info().alignment_px, &settings))?;
+        stage
+            .pool()
+            .install(|| self.history.add(rendered.planes, self.method.info().alignment_px, &settings))?;
         let timings = Timings {
             build_ms: stage.build_ms(),
             trace_ms: rendered.trace_ms,

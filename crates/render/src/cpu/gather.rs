@@ -58,7 +58,12 @@ impl Tracer<'_> {
     }
 
     /// Hands the fragments of a pixel to the method, front to back; equal depths in the order of their triangles.
-    pub(super) fn composite(&mut self, method: &impl Compositing, at: [u32; 2], counters: &mut Counters) -> Pixel {
+    pub(super) fn composite(
+        &mut self,
+        method: &impl Compositing,
+        at: [u32; 2],
+        counters: &mut Counters,
+    ) -> Pixel {
         let sample = self.sample(at);
         let camera_ray = self.camera_ray(sample);
         let mut pixel = method.begin();

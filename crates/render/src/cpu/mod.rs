@@ -183,7 +183,14 @@ impl<'a> Tracer<'a> {
     }
 
     /// A pixel that shows `colour` and has the depth, motion and ids of a hit, or of the far distance without one.
-    fn pixel(&self, colour: Premul, sample: Vec2, ray: &CameraRay, hit: Option<&Hit>, transparent: bool) -> Pixel {
+    fn pixel(
+        &self,
+        colour: Premul,
+        sample: Vec2,
+        ray: &CameraRay,
+        hit: Option<&Hit>,
+        transparent: bool,
+    ) -> Pixel {
         let frame = self.stage.frame();
         let Some(hit) = hit else {
             let before = frame.previous_camera().project_direction(ray.direction, self.size());

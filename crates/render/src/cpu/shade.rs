@@ -43,7 +43,8 @@ impl Tracer<'_> {
             ShadingModel::Unlit => surface.base_colour,
             ShadingModel::MetallicRoughness => {
                 let lobes = Lobes::new(&surface, to_viewer);
-                let reflected = (2.0 * lobes.n_dot_v * surface.normal - to_viewer).normalize_or(surface.normal);
+                let reflected =
+                    (2.0 * lobes.n_dot_v * surface.normal - to_viewer).normalize_or(surface.normal);
                 let diffuse = scene.environment.diffuse(surface.normal);
                 let specular = scene.environment.radiance(reflected, surface.roughness);
                 let ambient = lobes.diffuse * diffuse + lobes.environment_specular() * specular;
@@ -51,12 +52,13 @@ impl Tracer<'_> {
                     + ambient * surface.occlusion
                     + self.lit(&surface, counters, |incident| {
                         let n_dot_l = surface.normal.dot(incident.to_light);
-                        (n_dot_l > 0.0).then(|| lobes.reflect(&surface, to_viewer, incident.to_light) * n_dot_l)
+                        (n_dot_l > 0.0)
+                            .then(|| lobes.reflect(&surface, to_viewer, incident.to_light) * n_dot_l)
                     })
             }
             ShadingModel::Smoke => {
-                let ambient = 0.5
-                    * (scene.environment.diffuse(surface.normal) + scene.environment.diffuse(to_viewer));
+                let ambient =
+                    0.5 * (scene.environment.diffuse(surface.normal) + scene.environment.diffuse(to_viewer));
                 surface.emissive
                     + surface.base_colour * ambient
                     + self.lit(&surface, counters, |incident| {

@@ -63,6 +63,9 @@ mod tests {
             assert_eq!(aligned(Vec2::ZERO, frame), Vec2::ZERO);
             assert_eq!(aligned(Vec2::new(3.0, -6.0), frame), Vec2::new(3.0, -6.0));
         }
-        assert_eq!(Alignment { alignment_px: 1, frame: 0, seed: 0 }.apply(Vec2::new(0.3, 0.4), [0, 0]), Vec2::new(0.3, 0.4));
+        assert_eq!(
+            Alignment { alignment_px: 1, frame: 0, seed: 0 }.apply(Vec2::new(0.3, 0.4), [0, 0]),
+            Vec2::new(0.3, 0.4)
+        );
     }
 }

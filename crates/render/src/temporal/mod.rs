@@ -103,14 +103,20 @@ impl History {
     }
 
     /// Takes in the next frame; `alignment_px` as in [`crate::contract::MethodInfo::alignment_px`].
-    pub(crate) fn add(&mut self, current: Planes, alignment_px: u32, settings: &FrameSettings) -> Result<(), ImageError> {
+    pub(crate) fn add(
+        &mut self,
+        current: Planes,
+        alignment_px: u32,
+        settings: &FrameSettings,
+    ) -> Result<(), ImageError> {
         let mut current = current;
         if self.count > 0 {
             match self.antialiasing {
                 Antialiasing::None => {}
                 Antialiasing::Accumulate => add_to_mean(&self.planes.colour, &mut current.colour, self.count),
                 Antialiasing::Taa => {
-                    let alignment = align::Alignment { alignment_px, frame: settings.frame, seed: settings.seed };
+                    let alignment =
+                        align::Alignment { alignment_px, frame: settings.frame, seed: settings.seed };
                     current.colour = taa::resolve(&current, &self.planes.colour, self.count, alignment)?;
                 }
             }
@@ -126,7 +132,8 @@ fn add_to_mean(mean: &Image<[f32; 4]>, current: &mut Image<[f32; 4]>, count: u32
     let weight = 1.0 / (count as f32 + 1.0);
     current.par_rows_mut().zip(mean.par_rows()).for_each(|(current, mean)| {
         for (current, mean) in current.iter_mut().zip(mean) {
-            *current = std::array::from_fn(|channel| mean[channel] + (current[channel] - mean[channel]) * weight);
+            *current =
+                std::array::from_fn(|channel| mean[channel] + (current[channel] - mean[channel]) * weight);
         }
     });
 }
