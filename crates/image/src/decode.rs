@@ -197,6 +197,17 @@ mod tests {
     }
 
     #[test]
+    fn a_jpeg_that_claims_too_much_is_refused() {
+        let mut bytes = Cursor::new(Vec::new());
+        image::RgbImage::new(16, 8).write_to(&mut bytes, ImageFormat::Jpeg).unwrap();
+        let mut bytes = bytes.into_inner();
+        // The frame header: marker, length and precision, then height and width.
+        let frame_at = bytes.windows(2).position(|window| window == [0xff, 0xc0]).unwrap();
+        bytes[frame_at + 5..frame_at + 9].fill(0xff);
+        assert!(matches!(decode(&bytes), Err(ImageError::TooLarge { width: 65_535, height: 65_535, .. })));
+    }
+
+    #[test]
     fn limits_count_the_memory_of_the_conversion() {
         let rgba = encode_png(&Image::filled(64, 64, [9; 4]).unwrap(), &Metadata::default()).unwrap();
         let within =
