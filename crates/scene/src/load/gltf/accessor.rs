@@ -8,7 +8,7 @@ use crate::SceneError;
 
 /// glTF 2.0, 3.6.2.2.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Component {
+pub(super) enum Component {
     I8,
     U8,
     I16,
@@ -30,7 +30,21 @@ impl Component {
         })
     }
 
-    fn size(self) -> usize {
+    #[cfg(feature = "draco")]
+    pub(super) fn from_draco(kind: draco_oxide_core::attribute::ComponentDataType) -> Option<Self> {
+        use draco_oxide_core::attribute::ComponentDataType as Draco;
+        Some(match kind {
+            Draco::I8 => Self::I8,
+            Draco::U8 => Self::U8,
+            Draco::I16 => Self::I16,
+            Draco::U16 => Self::U16,
+            Draco::U32 => Self::U32,
+            Draco::F32 => Self::F32,
+            _ => return None,
+        })
+    }
+
+    pub(super) fn size(self) -> usize {
         match self {
             Self::I8 | Self::U8 => 1,
             Self::I16 | Self::U16 => 2,
@@ -39,7 +53,7 @@ impl Component {
     }
 
     /// A component as a number; normalised integers by the equations of glTF 2.0, 3.11.
-    fn float(self, bytes: &[u8], normalised: bool) -> f32 {
+    pub(super) fn float(self, bytes: &[u8], normalised: bool) -> f32 {
         let scaled =
             |value: f32, greatest: f32| if normalised { (value / greatest).max(-1.0) } else { value };
         match self {
@@ -55,7 +69,7 @@ impl Component {
     }
 
     /// An unsigned component; the caller has refused the other types.
-    fn unsigned(self, bytes: &[u8]) -> u32 {
+    pub(super) fn unsigned(self, bytes: &[u8]) -> u32 {
         match self {
             Self::U16 | Self::I16 => u32::from(u16::from_le_bytes([bytes[0], bytes[1]])),
             Self::U32 | Self::F32 => u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]),
@@ -63,7 +77,7 @@ impl Component {
         }
     }
 
-    fn is_unsigned(self) -> bool {
+    pub(super) fn is_unsigned(self) -> bool {
         matches!(self, Self::U8 | Self::U16 | Self::U32)
     }
 }

@@ -7,7 +7,7 @@ use std::{
 };
 
 use super::{
-    BASE_BYTES, BYTES_PER_INPUT_BYTE,
+    BASE_BYTES, BYTES_PER_INPUT_BYTE, meshopt,
     resource::{self, UriError},
     schema::{Index, Root, VersionOnly},
 };
@@ -179,7 +179,24 @@ impl<'a> Document<'a> {
     pub(super) fn view(&self, index: Index, place: &str) -> Result<(&[u8], Option<usize>), SceneError> {
         let view = self.get(&self.root.buffer_views, index, "buffer view", place)?;
         let view_place = format!("buffer view {index}");
-        let bytes = self.buffer_range(view.buffer, view.byte_offset, view.byte_length, &view_place)?;
+        let Some(compressed) = &view.extensions.meshopt else {
+            let bytes = self.buffer_range(view.buffer, view.byte_offset, view.byte_length, &view_place)?;
+            return Ok((bytes, view.byte_stride));
+        };
+        if let Some(bytes) = self.views[index].get() {
+            return Ok((bytes, view.byte_stride));
+        }
+        let data = self.buffer_range(
+            compressed.buffer,
+            compressed.byte_offset,
+            compressed.byte_length,
+            &view_place,
+        )?;
+        self.charge(compressed.count, compressed.byte_stride, &view_place)?;
+        let bytes = meshopt::decode(compressed, data).map_err(|problem| {
+            self.fault(view_place, format!("meshopt compression: {problem}; compress the file again"))
+        })?;
+        let bytes = self.views[index].get_or_init(|| bytes);
         Ok((bytes, view.byte_stride))
     }
 }

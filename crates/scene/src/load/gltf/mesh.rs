@@ -306,7 +306,9 @@ impl<'d, 'a> Reader<'d, 'a> {
         let place = format!("{}, {name}", self.place);
         #[cfg(feature = "draco")]
         if let Some(attribute) = self.draco.as_ref().and_then(|decoded| decoded.attributes.get(name)) {
-            return attribute.floats(self.document, accessor, &place).map(Some);
+            let normalised =
+                self.document.get(&self.document.root.accessors, accessor, "accessor", &place)?.normalized;
+            return attribute.floats(self.document, normalised, &place).map(Some);
         }
         self.document.floats(accessor, &place).map(Some)
     }

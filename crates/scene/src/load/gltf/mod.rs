@@ -22,9 +22,14 @@ mod accessor;
 mod animation;
 mod bake;
 mod document;
+#[cfg(feature = "draco")]
+mod draco;
 mod image;
+#[cfg(feature = "ktx2")]
+mod ktx2;
 mod material;
 mod mesh;
+mod meshopt;
 mod node;
 mod resource;
 mod schema;

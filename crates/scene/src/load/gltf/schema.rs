@@ -92,21 +92,6 @@ impl Default for Spot {
 pub(super) struct Buffer {
     pub uri: Option<String>,
     pub byte_length: usize,
-    #[serde(default)]
-    pub extensions: BufferExtensions,
-}
-
-#[derive(Debug, Default, Deserialize)]
-#[serde(default)]
-pub(super) struct BufferExtensions {
-    #[serde(rename = "EXT_meshopt_compression", alias = "KHR_meshopt_compression")]
-    pub meshopt: MeshoptFallback,
-}
-
-#[derive(Debug, Default, Deserialize)]
-#[serde(default)]
-pub(super) struct MeshoptFallback {
-    pub fallback: bool,
 }
 
 #[derive(Debug, Deserialize)]

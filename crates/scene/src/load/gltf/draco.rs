@@ -1,0 +1,321 @@
+//! `KHR_draco_mesh_compression`, decoded by the `draco-oxide` crates.
+//!
+//! A few bytes of Draco can stand for any number of triangles, and the decoder trusts the counts in the stream. So they are read here
+//! first and held against the accessors, which have to state the same counts (extension, "Conformance") and are paid for.
+
+use std::{collections::BTreeMap, panic};
+
+use draco_oxide_core::bit_coder::Reader;
+use draco_oxide_decoder::{connectivity::decode_connectivity, header::decode_header};
+
+use super::{
+    accessor::Component,
+    document::Document,
+    schema::{self, Primitive},
+};
+use crate::SceneError;
+
+/// Bytes before the metadata or the connectivity (Draco bitstream specification, section 4).
+const HEADER_BYTES: usize = 11;
+/// Where in the header the flags lie, and which of them announces metadata.
+const FLAGS: std::ops::Range<usize> = 9..11;
+const METADATA_FLAG: u16 = 0x8000;
+/// Attributes that one stream may hold: glTF needs a handful, and each costs memory for all points.
+const MAX_ATTRIBUTES: usize = 32;
+/// What the decoder takes for a triangle while it works on the connectivity: corners, their opposites, seams.
+const BYTES_PER_TRIANGLE: usize = 128;
+
+/// A decoded primitive.
+pub(super) struct Decoded {
+    /// Three a triangle.
+    pub indices: Vec<u32>,
+    /// By glTF attribute name.
+    pub attributes: BTreeMap<String, Attribute>,
+}
+
+/// A vertex attribute, one element a vertex, tightly packed.
+pub(super) struct Attribute {
+    component: Component,
+    components: usize,
+    bytes: Vec<u8>,
+}
+
+/// Decodes the triangles and attributes of a primitive; `None` if it is not compressed.
+pub(super) fn decode(
+    document: &Document<'_>,
+    primitive: &Primitive,
+    place: &str,
+) -> Result<Option<Decoded>, SceneError> {
+    let Some(extension) = &primitive.extensions.draco else { return Ok(None) };
+    let place = format!("{place}, KHR_draco_mesh_compression");
+    let fault = |problem: &str| document.fault(&place, format!("{problem}; compress the file again"));
+    let (data, _) = document.view(extension.buffer_view, &place)?;
+
+    // What the accessors promise.
+    let accessor_count = |accessor: Option<usize>| -> Result<usize, SceneError> {
+        let Some(accessor) = accessor else { return Ok(0) };
+        Ok(document.get(&document.root.accessors, accessor, "accessor", &place)?.count)
+    };
+    let index_count = accessor_count(primitive.indices)?;
+    let vertex_count = accessor_count(primitive.attributes.get("POSITION").copied())?;
+    let stream = without_metadata(data).ok_or_else(|| fault("the Draco metadata is cut short"))?;
+    let counts =
+        Counts::read(&stream).ok_or_else(|| fault("the Draco header is cut short or of an unknown kind"))?;
+    if counts.triangles.checked_mul(3) != Some(index_count) || !counts.plausible(vertex_count) {
+        return Err(fault(
+            "the Draco data holds other numbers of triangles or vertices than the accessors say",
+        ));
+    }
+    document.charge(counts.triangles, BYTES_PER_TRIANGLE, &place)?;
+
+    // The decoder is young: whatever invariant of its own it finds broken by bad data must not end the program.
+    let attempt = panic::catch_unwind(|| decode_stream(&stream, vertex_count));
+    let mesh = attempt
+        .unwrap_or_else(|_| Err("the Draco data is damaged".to_owned()))
+        .map_err(|problem| fault(&problem))?;
+    collect(document, extension, &mesh, vertex_count, &place).map(Some)
+}
+
+/// The numbers at the head of the connectivity.
+struct Counts {
+    triangles: usize,
+    /// Vertices or points.
+    vertices: usize,
+    /// Edgebreaker symbols and splits; zero for sequential connectivity.
+    symbols: usize,
+    splits: usize,
+}
+
+impl Counts {
+    /// Reads the connectivity header (Draco bitstream specification, sections 5 and 6).
+    fn read(stream: &[u8]) -> Option<Self> {
+        let (header, mut rest) = stream.split_at_checked(HEADER_BYTES)?;
+        match header[8] {
+            0 => {
+                let triangles = varint(&mut rest)?;
+                Some(Self { triangles, vertices: varint(&mut rest)?, symbols: 0, splits: 0 })
+            }
+            1 => {
+                let _traversal = take(&mut rest, 1)?;
+                let (vertices, triangles) = (varint(&mut rest)?, varint(&mut rest)?);
+                let _attribute_data = take(&mut rest, 1)?;
+                Some(Self { triangles, vertices, symbols: varint(&mut rest)?, splits: varint(&mut rest)? })
+            }
+            _ => None,
+        }
+    }
+
+    /// Whether a mesh of so many vertices can have these counts. Vertices with seams are counted once in the connectivity.
+    fn plausible(&self, vertex_count: usize) -> bool {
+        self.vertices <= vertex_count && self.symbols <= self.triangles && self.splits <= self.symbols
+    }
+}
+
+/// Decodes a stream whose counts are known to be affordable.
+fn decode_stream(stream: &[u8], vertex_count: usize) -> Result<draco_oxide_core::mesh::Mesh, String> {
+    // The connectivity is decoded twice, to reach the list of attributes before anything is allocated for them.
+    let mut reader = Reader::new(stream);
+    let header = decode_header(&mut reader).map_err(|error| error.to_string())?;
+    decode_connectivity(&mut reader, header.encoder_method).map_err(|error| error.to_string())?;
+    let is_edgebreaker = stream[8] == 1;
+    let rest = reader.read_bytes(reader.remaining()).map_err(|error| error.to_string())?;
+    let attribute_count =
+        attribute_count(rest, is_edgebreaker).ok_or("the list of attributes is cut short")?;
+    if attribute_count > MAX_ATTRIBUTES {
+        return Err(format!("it holds {attribute_count} attributes, but at most {MAX_ATTRIBUTES} are read"));
+    }
+    let mesh = draco_oxide_decoder::decode_mesh(stream).map_err(|error| error.to_string())?;
+    let in_range = mesh.faces.iter().flatten().all(|&point| usize::from(point) < vertex_count);
+    if in_range { Ok(mesh) } else { Err("a triangle refers to a vertex that is not there".to_owned()) }
+}
+
+/// Counts the attributes listed (Draco bitstream specification, section 9).
+fn attribute_count(mut rest: &[u8], is_edgebreaker: bool) -> Option<usize> {
+    let decoders = usize::from(take(&mut rest, 1)?[0]);
+    if is_edgebreaker {
+        take(&mut rest, 3 * decoders)?;
+    }
+    let mut count = 0_usize;
+    for _ in 0..decoders {
+        let attributes = varint(&mut rest)?;
+        for _ in 0..attributes {
+            take(&mut rest, 4)?;
+            varint(&mut rest)?;
+        }
+        // Each attribute has one more byte, for its kind of encoding.
+        take(&mut rest, attributes)?;
+        count = count.checked_add(attributes)?;
+    }
+    Some(count)
+}
+
+/// Attributes by name, spread to one element a vertex.
+fn collect(
+    document: &Document<'_>,
+    extension: &schema::Draco,
+    mesh: &draco_oxide_core::mesh::Mesh,
+    vertex_count: usize,
+    place: &str,
+) -> Result<Decoded, SceneError> {
+    let fault = |problem: String| document.fault(place, format!("{problem}; compress the file again"));
+    let mut attributes = BTreeMap::new();
+    for (name, &id) in &extension.attributes {
+        let found = mesh.attributes.iter().find(|attribute| attribute.get_id().as_usize() == id as usize);
+        let found = found.ok_or_else(|| fault(format!("there is no attribute {id} for {name}")))?;
+        let component = Component::from_draco(found.get_component_type());
+        let component =
+            component.ok_or_else(|| fault(format!("{name} is of a type that glTF does not have")))?;
+        let components = found.get_num_components();
+        let element_bytes = components * component.size();
+        document.charge(vertex_count, element_bytes, place)?;
+        let unique = found.get_data_as_bytes();
+        let mut bytes = Vec::with_capacity(vertex_count * element_bytes);
+        for vertex in 0..vertex_count {
+            // Vertices share values through a map, or have their own.
+            let value = match found.point_map_as_slice() {
+                Some(map) => map.get(vertex).map(|&value| usize::from(value)),
+                None => Some(vertex),
+            };
+            let element =
+                value.and_then(|value| unique.get(value * element_bytes..(value + 1) * element_bytes));
+            bytes.extend_from_slice(
+                element.ok_or_else(|| fault(format!("{name} has fewer values than vertices")))?,
+            );
+        }
+        attributes.insert(name.clone(), Attribute { component, components, bytes });
+    }
+    let indices = mesh.faces.iter().flatten().map(|&point| usize::from(point) as u32).collect();
+    Ok(Decoded { indices, attributes })
+}
+
+impl Attribute {
+    /// Elements as numbers; `normalised` is the accessor's flag.
+    pub(super) fn floats<const N: usize>(
+        &self,
+        document: &Document<'_>,
+        normalised: bool,
+        place: &str,
+    ) -> Result<Vec<[f32; N]>, SceneError> {
+        self.elements(document, place, |bytes| self.component.float(bytes, normalised))
+    }
+
+    /// Elements as unsigned integers.
+    pub(super) fn integers<const N: usize>(
+        &self,
+        document: &Document<'_>,
+        place: &str,
+    ) -> Result<Vec<[u32; N]>, SceneError> {
+        if !self.component.is_unsigned() {
+            return Err(document.fault(
+                place,
+                "the Draco attribute does not hold unsigned integers; compress the file again",
+            ));
+        }
+        self.elements(document, place, |bytes| self.component.unsigned(bytes))
+    }
+
+    fn elements<T, const N: usize>(
+        &self,
+        document: &Document<'_>,
+        place: &str,
+        convert: impl Fn(&[u8]) -> T,
+    ) -> Result<Vec<[T; N]>, SceneError> {
+        if self.components != N {
+            let problem = format!(
+                "the Draco attribute has {} components instead of {N}; compress the file again",
+                self.components
+            );
+            return Err(document.fault(place, problem));
+        }
+        let size = self.component.size();
+        let elements = self.bytes.chunks_exact(N * size);
+        document.charge(elements.len(), size_of::<[T; N]>(), place)?;
+        Ok(elements.map(|element| std::array::from_fn(|at| convert(&element[at * size..]))).collect())
+    }
+}
+
+/// The stream with its metadata, which glTF has no use for, cut out (Draco bitstream specification, section 4.2).
+fn without_metadata(data: &[u8]) -> Option<Vec<u8>> {
+    let (header, mut rest) = data.split_at_checked(HEADER_BYTES)?;
+    let mut stream = header.to_vec();
+    let flags = u16::from_le_bytes([header[FLAGS.start], header[FLAGS.start + 1]]);
+    if flags & METADATA_FLAG != 0 {
+        stream[FLAGS].copy_from_slice(&(flags & !METADATA_FLAG).to_le_bytes());
+        // One tree for each attribute listed, after the attribute's id, then one for the whole geometry.
+        for _ in 0..varint(&mut rest)? {
+            varint(&mut rest)?;
+            skip_metadata_tree(&mut rest)?;
+        }
+        skip_metadata_tree(&mut rest)?;
+    }
+    stream.extend_from_slice(rest);
+    Some(stream)
+}
+
+/// Skips names, values and subtrees, which follow each other depth first, by counting the subtrees still to come on each level.
+fn skip_metadata_tree(rest: &mut &[u8]) -> Option<()> {
+    let mut open = vec![1_usize];
+    let mut is_root = true;
+    while let Some(trees) = open.last_mut() {
+        let Some(left) = trees.checked_sub(1) else {
+            open.pop();
+            continue;
+        };
+        *trees = left;
+        if !std::mem::take(&mut is_root) {
+            let name_bytes = take(rest, 1)?[0];
+            take(rest, usize::from(name_bytes))?;
+        }
+        for _ in 0..varint(rest)? {
+            let name_bytes = take(rest, 1)?[0];
+            take(rest, usize::from(name_bytes))?;
+            let value_bytes = varint(rest)?;
+            take(rest, value_bytes)?;
+        }
+        open.push(varint(rest)?);
+    }
+    Some(())
+}
+
+fn take<'a>(rest: &mut &'a [u8], count: usize) -> Option<&'a [u8]> {
+    let (taken, after) = rest.split_at_checked(count)?;
+    *rest = after;
+    Some(taken)
+}
+
+/// Seven bits a byte, lowest first; 32 bits at most.
+fn varint(rest: &mut &[u8]) -> Option<usize> {
+    let mut value = 0_u64;
+    for shift in (0..35).step_by(7) {
+        let byte = take(rest, 1)?[0];
+        value |= u64::from(byte & 0x7F) << shift;
+        if byte & 0x80 == 0 {
+            return u32::try_from(value).ok().map(|value| value as usize);
+        }
+    }
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn metadata_is_cut_out_at_any_depth() {
+        let header = |flags: u16| [b"DRACO\x02\x02\x01\x01".as_slice(), &flags.to_le_bytes()].concat();
+        // One attribute with an entry; a geometry tree with a subtree in a subtree.
+        let metadata = b"\x01\x07\x01\x01k\x02vv\x00\x00\x01\x01a\x00\x01\x01b\x01\x01k\x00\x00";
+        let data = [header(METADATA_FLAG).as_slice(), metadata, b"rest"].concat();
+        assert_eq!(without_metadata(&data).unwrap(), [header(0).as_slice(), b"rest"].concat());
+        for length in 0..data.len() - 4 {
+            assert!(without_metadata(&data[..length]).is_none(), "{length}");
+        }
+    }
+
+    #[test]
+    fn numbers_end_after_32_bits() {
+        assert_eq!(varint(&mut [0xFF, 0xFF, 0xFF, 0xFF, 0x0F].as_slice()), Some(u32::MAX as usize));
+        assert_eq!(varint(&mut [0xFF, 0xFF, 0xFF, 0xFF, 0x1F].as_slice()), None);
+        assert_eq!(varint(&mut [0x80; 6].as_slice()), None);
+    }
+}
