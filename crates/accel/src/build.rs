@@ -470,8 +470,8 @@ impl Grid {
     /// matters is that it is monotonic.
     #[inline(always)]
     fn bins(&self, reference: &Ref) -> [usize; 3] {
-        let place = (reference.centroid() - self.origin) * self.scale + Vec4::splat(Self::MAGIC - 0.5);
-        let [x, y, z, _] = place.to_array();
+        let place = (reference.centroid() - self.origin) * self.scale - Vec4::splat(0.5);
+        let [x, y, z, _] = (place + Vec4::splat(Self::MAGIC)).to_array();
         [x, y, z].map(|bin| bin.to_bits() as usize % BINS)
     }
 }
@@ -539,5 +539,48 @@ impl Bins {
             }
         }
         best
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bins_rise_with_the_centroid_and_share_the_extent_evenly() {
+        let refs: Vec<Ref> = (0..=1600)
+            .map(|index| {
+                let p = Vec3::new(index as f32 * 0.01 - 3.0, 1e6 + index as f32, -7.0);
+                Ref::new(p, p, index)
+            })
+            .collect();
+        let grid = Grid::new(middles(&refs));
+        let mut counts = [[0; BINS]; 3];
+        let mut last = [0; 3];
+        for reference in &refs {
+            let bins = grid.bins(reference);
+            assert!(bins.iter().zip(last).all(|(&bin, last)| bin >= last), "{bins:?} after {last:?}");
+            last = bins;
+            (0..3).for_each(|axis| counts[axis][bins[axis]] += 1);
+        }
+        assert_eq!(last, [BINS - 1, BINS - 1, 0]);
+        for axis in 0..2 {
+            assert!(counts[axis].iter().all(|count| (95..=105).contains(count)), "{:?}", counts[axis]);
+        }
+    }
+
+    #[test]
+    fn two_far_groups_are_told_apart_first() {
+        let triangles: Vec<[Vec3; 3]> = (0..2000)
+            .map(|index| {
+                let corner = Vec3::new((index % 2) as f32 * 50.0, (index / 2) as f32 * 0.01, 0.0);
+                [corner, corner + Vec3::X, corner + Vec3::Y]
+            })
+            .collect();
+        let (mut nodes, mut blocks) = (Vec::new(), Vec::new());
+        build(&triangles, 0..triangles.len(), &mut nodes, &mut blocks).expect("there are triangles");
+        for lane in 0..WIDTH {
+            assert!(nodes[0].upper(lane).x - nodes[0].lower(lane).x <= 1.0);
+        }
     }
 }

@@ -18,6 +18,7 @@ pub(crate) fn traverse<L: Lanes>(lanes: L, tree: Tree<'_>, ray: &Ray, mut visit:
     let Some(slabs) = Slabs::new(ray, tree.lower, tree.upper) else { return };
     let shear = Shear::new(ray);
     let mut t_max = ray.t_max;
+    let mut hits = BlockHits { lanes: 0, front: 0, t: [0.0; WIDTH], u: [0.0; WIDTH], v: [0.0; WIDTH] };
     let mut stack = Stack::new();
     stack.push(slabs.t_min, root);
     while let Some((near, child)) = stack.pop() {
@@ -26,14 +27,16 @@ pub(crate) fn traverse<L: Lanes>(lanes: L, tree: Tree<'_>, ray: &Ray, mut visit:
         }
         if !child.is_block() {
             let node = &tree.nodes[child.index()];
-            let (near, hits) = slabs.enter(lanes, node, t_max);
-            if hits != 0 {
-                lanes.push(&mut stack, near, hits, &node.children);
+            let (near, entered) = slabs.enter(lanes, node, t_max);
+            if entered != 0 {
+                lanes.push(&mut stack, near, entered, &node.children);
             }
             continue;
         }
         let block = &tree.blocks[child.index()];
-        let Some(hits) = shear.hit(lanes, block, slabs.t_min, t_max) else { continue };
+        if !shear.hit(lanes, block, slabs.t_min, t_max, &mut hits) {
+            continue;
+        }
         let mut waiting = hits.lanes;
         while waiting != 0 {
             let lane = waiting.trailing_zeros() as usize % WIDTH;
@@ -181,13 +184,13 @@ impl Shear {
         }
     }
 
-    /// The hits of a block within `[t_min, t_max]`, or None.
+    /// Writes the hits of a block within `[t_min, t_max]`; false if there are none.
     ///
     /// A triangle is hit if the signed areas that the ray's point spans with its edges have one sign. In
     /// `f32` a sign is never wrong, as rounding is monotonic, but it may be lost; [`Shear::exact`] settles
     /// lanes where one is 0.
     #[inline(always)]
-    fn hit<L: Lanes>(&self, lanes: L, block: &Block, t_min: f32, t_max: f32) -> Option<BlockHits> {
+    fn hit<L: Lanes>(&self, lanes: L, block: &Block, t_min: f32, t_max: f32, hits: &mut BlockHits) -> bool {
         // No closures, no `map`: what is not `inline(always)` is compiled without the path's instructions.
         let [x_axis, y_axis, z_axis] = self.axes;
         let [a, b, c] = &block.vertices[z_axis];
@@ -209,7 +212,7 @@ impl Shear {
         let most = lanes.max(lanes.max(areas[0], areas[1]), areas[2]);
         let touched = lanes.le(zero, least) | lanes.le(most, zero);
         if touched == 0 {
-            return None;
+            return false;
         }
         let front = lanes.lt(zero, least);
         let inside = front | lanes.lt(most, zero);
@@ -222,25 +225,31 @@ impl Shear {
         let depth = lanes.add(depth, lanes.mul(weights[2], z[2]));
         let t = lanes.mul(depth, lanes.splat(self.slope[2]));
         let within = lanes.le(lanes.splat(t_min), t) & lanes.le(t, lanes.splat(t_max));
-        let mut hits = BlockHits {
-            lanes: inside & within,
-            front,
-            t: lanes.store(t),
-            u: lanes.store(weights[1]),
-            v: lanes.store(weights[2]),
-        };
-        let mut unsettled = touched & !inside;
+        hits.lanes = inside & within;
+        hits.front = front;
+        hits.t = lanes.store(t);
+        hits.u = lanes.store(weights[1]);
+        hits.v = lanes.store(weights[2]);
+        if touched != inside {
+            self.settle(block, touched & !inside, t_min, t_max, hits);
+        }
+        hits.lanes != 0
+    }
+
+    /// Adds those of the `unsettled` lanes to the hits that are.
+    #[cold]
+    #[inline(never)]
+    fn settle(&self, block: &Block, mut unsettled: u32, t_min: f32, t_max: f32, hits: &mut BlockHits) {
         while unsettled != 0 {
             let lane = unsettled.trailing_zeros() as usize % WIDTH;
             unsettled &= unsettled - 1;
-            if let Some(exact) = self.exact(block, lane).filter(|exact| t_min <= exact.t && exact.t <= t_max)
-            {
+            let Some(hit) = self.exact(block, lane) else { continue };
+            if t_min <= hit.t && hit.t <= t_max {
                 hits.lanes |= 1 << lane;
-                hits.front |= u32::from(exact.front) << lane;
-                (hits.t[lane], hits.u[lane], hits.v[lane]) = (exact.t, exact.u, exact.v);
+                hits.front |= u32::from(hit.front) << lane;
+                (hits.t[lane], hits.u[lane], hits.v[lane]) = (hit.t, hit.u, hit.v);
             }
         }
-        (hits.lanes != 0).then_some(hits)
     }
 
     /// The test for one triangle with an area that rounds to 0, in `f64`: products of two `f32` are exact
@@ -249,8 +258,6 @@ impl Shear {
     /// Where an area is exactly 0 the ray passes through an edge. Then it counts as moved by an
     /// infinitesimal (-e, e^2) in the sheared plane, which is the fill rule of rasterisers: of all triangles
     /// around the edge or vertex, as many are hit as if the ray had passed beside it.
-    #[cold]
-    #[inline(never)]
     fn exact(&self, block: &Block, lane: usize) -> Option<Hit> {
         let [a, b, c] = [0, 1, 2].map(|vertex: usize| {
             let [x, y, z] = [0, 1, 2]

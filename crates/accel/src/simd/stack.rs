@@ -12,8 +12,8 @@ const CAPACITY: usize = LEVEL_LIMIT as usize * (WIDTH - 1) + 1 + WIDTH;
 
 /// Distances and children in two arrays, so that a sorted node is two vector stores.
 pub(crate) struct Stack {
-    near: [MaybeUninit<f32>; CAPACITY],
-    children: [MaybeUninit<Child>; CAPACITY],
+    near: MaybeUninit<[f32; CAPACITY]>,
+    children: MaybeUninit<[Child; CAPACITY]>,
     /// Entries below it are initialised; never above `CAPACITY`.
     len: usize,
 }
@@ -22,26 +22,7 @@ impl Stack {
     /// Leaves the arrays as they are: clearing 2.6 kB would cost a tenth of a short ray.
     #[inline(always)]
     pub(crate) fn new() -> Self {
-        Self { near: [MaybeUninit::uninit(); CAPACITY], children: [MaybeUninit::uninit(); CAPACITY], len: 0 }
-    }
-
-    /// # Panics
-    /// When more than [`LEVEL_LIMIT`] levels are open.
-    #[inline(always)]
-    pub(crate) fn push(&mut self, near: f32, child: Child) {
-        self.near[self.len].write(near);
-        self.children[self.len].write(child);
-        self.len += 1;
-    }
-
-    #[inline(always)]
-    pub(crate) fn pop(&mut self) -> Option<(f32, Child)> {
-        self.len = self.len.checked_sub(1)?;
-        // SAFETY: `len` was above this index, and entries below `len` are initialised.
-        unsafe {
-            let near = self.near.get_unchecked(self.len).assume_init();
-            Some((near, self.children.get_unchecked(self.len).assume_init()))
-        }
+        Self { near: MaybeUninit::uninit(), children: MaybeUninit::uninit(), len: 0 }
     }
 
     /// Where the next eight entries go.
@@ -51,15 +32,46 @@ impl Stack {
     #[inline(always)]
     pub(crate) fn reserve(&mut self) -> (*mut f32, *mut Child) {
         assert!(self.len + WIDTH <= CAPACITY, "the builder bounds the depth of the tree");
-        (self.near[self.len..].as_mut_ptr().cast(), self.children[self.len..].as_mut_ptr().cast())
+        // SAFETY: `len` is below the length of both arrays.
+        unsafe {
+            (
+                self.near.as_mut_ptr().cast::<f32>().add(self.len),
+                self.children.as_mut_ptr().cast::<Child>().add(self.len),
+            )
+        }
     }
 
     /// Takes over `count` entries written to the reserved places.
     ///
     /// # Safety
-    /// The first `count` places behind both pointers are written since [`Stack::reserve`].
+    /// The first `count` places behind both pointers, eight at most, are written since [`Stack::reserve`].
     #[inline(always)]
     pub(crate) unsafe fn grow(&mut self, count: usize) {
         self.len += count;
+    }
+
+    /// # Panics
+    /// When more than [`LEVEL_LIMIT`] levels are open.
+    #[inline(always)]
+    pub(crate) fn push(&mut self, near: f32, child: Child) {
+        let (near_slot, child_slot) = self.reserve();
+        // SAFETY: both point at a free place, which is written before it counts.
+        unsafe {
+            near_slot.write(near);
+            child_slot.write(child);
+            self.grow(1);
+        }
+    }
+
+    #[inline(always)]
+    pub(crate) fn pop(&mut self) -> Option<(f32, Child)> {
+        self.len = self.len.checked_sub(1)?;
+        // SAFETY: `len` was above this index, and entries below `len` are written.
+        unsafe {
+            Some((
+                self.near.as_ptr().cast::<f32>().add(self.len).read(),
+                self.children.as_ptr().cast::<Child>().add(self.len).read(),
+            ))
+        }
     }
 }
