@@ -34,3 +34,8 @@ pub use crate::{
     stage::Stage,
     temporal::Antialiasing,
 };
+
+/// The program in the README compiles and runs.
+#[cfg(doctest)]
+#[doc = include_str!("../../../README.md")]
+struct Readme;
