@@ -29,31 +29,47 @@ fn decode_tables() -> &'static [[f32; 256]; 2] {
 }
 
 /// The two texels on either side of a lookup, wrapped into the image, and the weight of the second.
+#[inline]
 fn neighbours(coordinate: f32, size: usize, wrap: Wrap, filter: Filter) -> ([usize; 2], f32) {
-    let size_i = size as i32;
-    let wrapped = |texel: i32| -> usize {
-        let inside = match wrap {
-            Wrap::Repeat => texel.rem_euclid(size_i),
-            Wrap::ClampToEdge => texel.clamp(0, size_i - 1),
-            Wrap::MirroredRepeat => {
-                let turn = texel.rem_euclid(size_i.saturating_mul(2));
-                if turn < size_i { turn } else { 2 * size_i - 1 - turn }
-            }
-        };
-        inside as usize
-    };
     let position = coordinate * size as f32;
     match filter {
         Filter::Nearest => {
-            let texel = wrapped(position.floor() as i32);
+            let texel = wrapped(floor(position), size, wrap);
             ([texel, texel], 0.0)
         }
         Filter::Linear => {
-            let low = (position - 0.5).floor();
-            let first = low as i32;
-            ([wrapped(first), wrapped(first.wrapping_add(1))], position - 0.5 - low)
+            let low = floor(position - 0.5);
+            let texels = [wrapped(low, size, wrap), wrapped(low.wrapping_add(1), size, wrap)];
+            (texels, position - 0.5 - low as f32)
         }
     }
+}
+
+/// Any texel index as one inside the image.
+#[inline]
+fn wrapped(texel: i32, size: usize, wrap: Wrap) -> usize {
+    let size_i = size as i32;
+    // Nearly all lookups fall inside, and a division costs as much as the rest of the lookup.
+    if (texel as u32) < size as u32 {
+        return texel as usize;
+    }
+    let inside = match wrap {
+        Wrap::Repeat if size.is_power_of_two() => texel & (size_i - 1),
+        Wrap::Repeat => texel.rem_euclid(size_i),
+        Wrap::ClampToEdge => texel.clamp(0, size_i - 1),
+        Wrap::MirroredRepeat => {
+            let turn = texel.rem_euclid(size_i.saturating_mul(2));
+            if turn < size_i { turn } else { 2 * size_i - 1 - turn }
+        }
+    };
+    inside as usize
+}
+
+/// The next lower whole number, without the library call that `f32::floor` is on a plain x86-64.
+#[inline]
+fn floor(value: f32) -> i32 {
+    let truncated = value as i32;
+    truncated.wrapping_sub(i32::from((truncated as f32) > value))
 }
 
 impl Sampler {
