@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use crate::bvh::Tree;
 use crate::node::{Block, Node, WIDTH};
-use crate::simd::{Lanes, Stack};
+use crate::simd::{Lanes, Slots, Stack};
 use crate::{Hit, Ray};
 
 /// Largest magnitude of a coordinate: areas, and their sums in the build's heuristic, still are an `f32`.
@@ -19,7 +19,8 @@ pub(crate) fn traverse<L: Lanes>(lanes: L, tree: Tree<'_>, ray: &Ray, mut visit:
     let shear = Shear::new(ray);
     let mut t_max = ray.t_max;
     let mut hits = BlockHits { lanes: 0, front: 0, t: [0.0; WIDTH], u: [0.0; WIDTH], v: [0.0; WIDTH] };
-    let mut stack = Stack::new();
+    let mut slots = Slots::new();
+    let mut stack = Stack::new(&mut slots);
     stack.push(slabs.t_min, root);
     while let Some((near, child)) = stack.pop() {
         if near > t_max {

@@ -18,7 +18,7 @@ use crate::bvh::Tree;
 use crate::node::{Child, WIDTH};
 use crate::{Hit, Ray, traverse};
 
-pub(crate) use stack::{LEVEL_LIMIT, Stack};
+pub(crate) use stack::{LEVEL_LIMIT, Slots, Stack};
 
 /// The instructions a tree is traversed with. Hits are bit-equal on all paths; only the speed differs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -118,7 +118,7 @@ pub(crate) trait Lanes: Copy {
 
     /// Pushes the children named by `hits`, nearest last. `near` is not negative there; it is rounded down
     /// to the stack's keys (see [`key`]), which keeps culling conservative.
-    fn push(self, stack: &mut Stack, near: Self::F, hits: u32, children: &[Child; WIDTH]);
+    fn push(self, stack: &mut Stack<'_>, near: Self::F, hits: u32, children: &[Child; WIDTH]);
 }
 
 /// Sort key of a child: the bits of a non-negative `f32` are ordered like the number, the lowest three

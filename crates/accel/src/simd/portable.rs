@@ -73,7 +73,7 @@ impl Lanes for Portable {
 
     /// Insertion sort: most nodes have one to three children on a ray.
     #[inline(always)]
-    fn push(self, stack: &mut Stack, near: Self::F, mut hits: u32, children: &[Child; WIDTH]) {
+    fn push(self, stack: &mut Stack<'_>, near: Self::F, mut hits: u32, children: &[Child; WIDTH]) {
         let mut keys = [0; WIDTH];
         let mut count = 0;
         while hits != 0 {

@@ -11,18 +11,30 @@ pub(crate) const LEVEL_LIMIT: u32 = 45;
 const CAPACITY: usize = LEVEL_LIMIT as usize * (WIDTH - 1) + 1 + WIDTH;
 
 /// Distances and children in two arrays, so that a sorted node is two vector stores.
-pub(crate) struct Stack {
+pub(crate) struct Slots {
     near: MaybeUninit<[f32; CAPACITY]>,
     children: MaybeUninit<[Child; CAPACITY]>,
-    /// Entries below it are initialised; never above `CAPACITY`.
-    len: usize,
 }
 
-impl Stack {
+impl Slots {
     /// Leaves the arrays as they are: clearing 2.6 kB would cost a tenth of a short ray.
     #[inline(always)]
     pub(crate) fn new() -> Self {
-        Self { near: MaybeUninit::uninit(), children: MaybeUninit::uninit(), len: 0 }
+        Self { near: MaybeUninit::uninit(), children: MaybeUninit::uninit() }
+    }
+}
+
+/// Apart from its slots, so that the length can stay in a register.
+pub(crate) struct Stack<'a> {
+    slots: &'a mut Slots,
+    /// Slots below it are written; never above `CAPACITY`.
+    len: usize,
+}
+
+impl<'a> Stack<'a> {
+    #[inline(always)]
+    pub(crate) fn new(slots: &'a mut Slots) -> Self {
+        Self { slots, len: 0 }
     }
 
     /// Where the next eight entries go.
@@ -35,8 +47,8 @@ impl Stack {
         // SAFETY: `len` is below the length of both arrays.
         unsafe {
             (
-                self.near.as_mut_ptr().cast::<f32>().add(self.len),
-                self.children.as_mut_ptr().cast::<Child>().add(self.len),
+                self.slots.near.as_mut_ptr().cast::<f32>().add(self.len),
+                self.slots.children.as_mut_ptr().cast::<Child>().add(self.len),
             )
         }
     }
@@ -69,8 +81,8 @@ impl Stack {
         // SAFETY: `len` was above this index, and entries below `len` are written.
         unsafe {
             Some((
-                self.near.as_ptr().cast::<f32>().add(self.len).read(),
-                self.children.as_ptr().cast::<Child>().add(self.len).read(),
+                self.slots.near.as_ptr().cast::<f32>().add(self.len).read(),
+                self.slots.children.as_ptr().cast::<Child>().add(self.len).read(),
             ))
         }
     }

@@ -115,7 +115,7 @@ macro_rules! arithmetic {
         }
 
         #[inline(always)]
-        fn push(self, stack: &mut Stack, near: __m256, hits: u32, children: &[Child; WIDTH]) {
+        fn push(self, stack: &mut Stack<'_>, near: __m256, hits: u32, children: &[Child; WIDTH]) {
             let keys = x86!({
                 let lane = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
                 let near = _mm256_andnot_si256(_mm256_set1_epi32(7), _mm256_castps_si256(near));
