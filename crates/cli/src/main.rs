@@ -1,2 +1,43 @@
 //! Order-independent transparency: render, compare, measure.
-fn main() {}
+//!
+//! Each verb is a file in `command`; what it reports goes through `report`. Talk goes to stderr, machine output to stdout. Exit codes:
+//! 0 done, 1 failed, 2 wrong use, 130 interrupted.
+
+use std::process::ExitCode;
+
+use args::{Arguments, Command};
+use clap::Parser;
+
+mod args;
+mod command;
+mod failure;
+mod output;
+mod report;
+mod setup;
+mod talk;
+mod tally;
+
+/// The commit that this binary was built from, or `unknown`.
+const COMMIT: &str = env!("SHEER_COMMIT");
+/// The version of this binary.
+const VERSION: &str = env!("CARGO_PKG_VERSION");
+
+fn main() -> ExitCode {
+    output::finish_writing_when_interrupted();
+    let outcome = match Arguments::try_parse() {
+        Ok(arguments) => run(&arguments.command),
+        Err(usage) => failure::from_usage(&usage),
+    };
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => failure::report(&error),
+    }
+}
+
+fn run(command: &Command) -> anyhow::Result<()> {
+    match command {
+        Command::Scenes(arguments) => command::scenes::run(arguments),
+        Command::Methods(arguments) => command::methods::run(arguments),
+        Command::Render(arguments) => command::render::run(arguments),
+    }
+}

@@ -11,6 +11,7 @@ mod false_colour;
 mod flicker;
 mod flip;
 mod ssim;
+pub mod statistics;
 
 pub use convolve::gaussian_blur;
 pub use difference::{bias, bias_per_channel, psnr_db, rms, rms_per_channel};

@@ -1,0 +1,221 @@
+//! The command line.
+
+use std::{path::PathBuf, str::FromStr};
+
+use clap::{Args, Parser, Subcommand, builder::RangedU64ValueParser, value_parser};
+use glam::Vec3;
+use sheer_core::colour::linear_from_srgb;
+use sheer_image::unit_from_u8;
+use sheer_render::{Antialiasing, Background, Method};
+use sheer_scene::CameraChoice;
+
+/// Order-independent transparency: render, compare, measure.
+#[derive(Debug, Parser)]
+#[command(
+    name = "sheer",
+    version = concat!(env!("CARGO_PKG_VERSION"), " (", env!("SHEER_COMMIT"), ")"),
+    arg_required_else_help = false,
+    max_term_width = 100,
+    after_help = "Exit codes: 0 done, 1 failed, 2 wrong use, 130 interrupted."
+)]
+pub(crate) struct Arguments {
+    #[command(subcommand)]
+    pub(crate) command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// List the built-in scenes.
+    Scenes(ListArguments),
+    /// List the transparency methods.
+    Methods(ListArguments),
+    /// Render a picture or a sequence of frames.
+    Render(RenderArguments),
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct ListArguments {
+    /// Show the parameters as well, set as NAME:KEY=VALUE,KEY=VALUE.
+    #[arg(long)]
+    pub(crate) long: bool,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct RenderArguments {
+    #[command(flatten)]
+    pub(crate) scene: SceneArguments,
+    /// Transparency method, NAME or NAME:KEY=VALUE,…; `sheer methods` lists them.
+    #[arg(short, long, default_value = "std")]
+    pub(crate) method: Method,
+    /// none: one sample through each pixel centre; accumulate: the mean of the frames of one moment; taa: frames play and add up.
+    #[arg(short = 'a', long = "aa", value_name = "AA", default_value = "taa")]
+    pub(crate) antialiasing: Antialiasing,
+    /// .png (sRGB, straight alpha) or .exr (linear, with depth, motion and ids); `####` or `%04d` in its name: every frame.
+    ///
+    /// sheer-out/SCENE.png if not given.
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) output: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) frames: FrameArguments,
+    #[command(flatten)]
+    pub(crate) machine: MachineArguments,
+}
+
+/// What is shown.
+#[derive(Args, Debug)]
+pub(crate) struct SceneArguments {
+    /// Built-in scene, NAME or NAME:KEY=VALUE,…, or a .gltf or .glb file; `sheer scenes` lists the built-in ones.
+    #[arg(value_name = "SCENE", default_value = "smoke-square")]
+    pub(crate) text: String,
+    /// static, path, orbit or the name of one of the scene's cameras; the scene's first if not given.
+    #[arg(long, value_name = "NAME", value_parser = camera)]
+    pub(crate) camera: Option<CameraChoice>,
+    /// Set the opacity of every material, 0 to 1.
+    #[arg(long, value_name = "A", value_parser = unit)]
+    pub(crate) alpha: Option<f32>,
+}
+
+/// Which frames are made of it.
+#[derive(Args, Debug)]
+pub(crate) struct FrameArguments {
+    /// Width and height in pixels [default: 960x540; compare: 640x360].
+    #[arg(long, value_name = "WxH")]
+    pub(crate) size: Option<Size>,
+    /// How many frames [default: 32].
+    #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..=1_000_000))]
+    pub(crate) frames: Option<u32>,
+    /// Index of the first frame; there are 30 a second.
+    #[arg(long, value_name = "I", default_value_t = 0, value_parser = value_parser!(u32).range(..=1_000_000_000))]
+    pub(crate) first_frame: u32,
+    /// Time of frame 0 in seconds.
+    #[arg(long, value_name = "SECS", default_value_t = 0.0, value_parser = seconds, allow_negative_numbers = true)]
+    pub(crate) time: f32,
+    /// What lies behind everything: env (the scene's surroundings), #rrggbb, or none (the picture is transparent there).
+    #[arg(long, value_name = "env|#rrggbb|none", default_value = "env", value_parser = background)]
+    pub(crate) background: Background,
+    /// Seed of the dithering.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub(crate) seed: u32,
+}
+
+/// Where and how loudly.
+#[derive(Args, Clone, Copy, Debug)]
+pub(crate) struct MachineArguments {
+    /// cpu, gpu, gpu:ray or gpu:raster.
+    #[arg(long, default_value = "cpu")]
+    pub(crate) backend: Backend,
+    /// Threads to use; all processors if not given. The pictures are the same.
+    #[arg(long, value_name = "N", value_parser = RangedU64ValueParser::<usize>::from(1..=1024))]
+    pub(crate) threads: Option<usize>,
+    /// Say nothing but errors.
+    #[arg(short, long)]
+    pub(crate) quiet: bool,
+}
+
+/// Width and height in pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Size(pub(crate) [u32; 2]);
+
+/// Pixels a side; 16k is more than any display has.
+const LONGEST_SIDE_PX: u32 = 16_384;
+
+impl FromStr for Size {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let side = |text: &str| text.parse().ok().filter(|side| (1..=LONGEST_SIDE_PX).contains(side));
+        text.split_once('x')
+            .and_then(|(width, height)| Some(Self([side(width)?, side(height)?])))
+            .ok_or_else(|| format!("give WIDTHxHEIGHT as in 960x540, each from 1 to {LONGEST_SIDE_PX}"))
+    }
+}
+
+/// What renders.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Backend {
+    /// The processor.
+    Cpu,
+}
+
+impl FromStr for Backend {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "cpu" => Ok(Self::Cpu),
+            "gpu" | "gpu:ray" | "gpu:raster" => {
+                Err("the GPU backend is not built into this version; use --backend cpu".to_owned())
+            }
+            _ => Err("there are: cpu, gpu, gpu:ray, gpu:raster".to_owned()),
+        }
+    }
+}
+
+impl Backend {
+    /// The word on the command line.
+    pub(crate) fn word(self) -> &'static str {
+        match self {
+            Self::Cpu => "cpu",
+        }
+    }
+}
+
+#[expect(clippy::unnecessary_wraps, reason = "the argument parser wants a result")]
+fn camera(text: &str) -> Result<CameraChoice, String> {
+    Ok(match text {
+        "orbit" => CameraChoice::Orbit,
+        name => CameraChoice::Named(name.to_owned()),
+    })
+}
+
+fn unit(text: &str) -> Result<f32, String> {
+    let value = text.parse().ok().filter(|value| (0.0..=1.0).contains(value));
+    value.ok_or_else(|| "give a number from 0 to 1".to_owned())
+}
+
+fn seconds(text: &str) -> Result<f32, String> {
+    let value = text.parse().ok().filter(|value: &f32| value.is_finite());
+    value.ok_or_else(|| "give a number of seconds".to_owned())
+}
+
+fn background(text: &str) -> Result<Background, String> {
+    match text {
+        "env" => Ok(Background::Environment),
+        "none" => Ok(Background::None),
+        _ => {
+            let digits = text.strip_prefix('#').filter(|digits| digits.len() == 6 && digits.is_ascii());
+            let bytes = digits.and_then(|digits| u32::from_str_radix(digits, 16).ok()).map(u32::to_be_bytes);
+            let [_, r, g, b] = bytes.ok_or("give env, none or a colour as in #7f7f7f")?;
+            Ok(Background::Colour(Vec3::from_array([r, g, b].map(|v| linear_from_srgb(unit_from_u8(v))))))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory as _;
+
+    use super::*;
+
+    #[test]
+    fn the_argument_table_is_consistent() {
+        Arguments::command().debug_assert();
+    }
+
+    #[test]
+    fn sizes_are_two_numbers_from_one_up() {
+        assert_eq!("960x540".parse(), Ok(Size([960, 540])));
+        for wrong in ["", "960", "0x540", "960x", "960x540x3", "-1x1", "1e3x1", "99999x1", "960 x 540"] {
+            assert!(wrong.parse::<Size>().is_err(), "{wrong} passed");
+        }
+    }
+
+    #[test]
+    fn background_colours_are_srgb() {
+        let Ok(Background::Colour(linear)) = background("#ff8000") else { panic!("no colour") };
+        assert!((linear - Vec3::new(1.0, 0.215_86, 0.0)).abs().max_element() < 1e-4, "{linear}");
+        for wrong in ["#fff", "ff8000", "#ff80zz", "#+f8000", "blue", "#ｆｆ"] {
+            assert!(background(wrong).is_err(), "{wrong} passed");
+        }
+    }
+}

@@ -1,0 +1,71 @@
+//! `sheer render`: a picture or a sequence of frames.
+
+use std::path::{Path, PathBuf};
+
+use sheer_render::{Antialiasing, Pipeline};
+
+use crate::{
+    args::{RenderArguments, Size},
+    output::{self, PictureOutput},
+    setup,
+    tally::Tally,
+};
+
+const DEFAULT_SIZE: Size = Size([960, 540]);
+const DEFAULT_FRAMES: u32 = 32;
+
+pub(crate) fn run(arguments: &RenderArguments) -> anyhow::Result<()> {
+    let talk = arguments.machine.apply()?;
+    let settings = arguments.frames.settings(DEFAULT_SIZE);
+    let antialiasing = arguments.antialiasing;
+    let path = output_path(arguments)?;
+    let output = PictureOutput::from_path(&path);
+    let is_sequence = matches!(output, PictureOutput::Sequence { .. });
+    // Without anti-aliasing a frame owes nothing to the ones before it.
+    let frame_count = match antialiasing {
+        Antialiasing::None if !is_sequence => 1,
+        _ => arguments.frames.frames.unwrap_or(DEFAULT_FRAMES),
+    };
+    let numbers = (0..frame_count).map(|index| settings.first_frame + index);
+    output.check(numbers.clone().take(if is_sequence { frame_count as usize } else { 1 }))?;
+
+    let mut stage = arguments.scene.open(arguments.machine, talk)?.stage;
+    let mut pipeline = Pipeline::new(arguments.method.clone(), antialiasing, settings)?;
+    let metadata = setup::metadata(&arguments.scene, &arguments.method, antialiasing, &settings);
+    let mut tally = Tally::default();
+    let progress = talk.progress(u64::from(frame_count));
+    for (index, number) in numbers.enumerate() {
+        let index = index as u32;
+        stage.advance(pipeline.clock().at(index));
+        tally.add(pipeline.render(&stage, index)?);
+        if is_sequence || index + 1 == frame_count {
+            let metadata = metadata.clone().with("frame", number);
+            output.write(number, pipeline.planes(), &metadata)?;
+        }
+        progress.inc(1);
+    }
+    progress.finish_and_clear();
+
+    let [width, height] = settings.size;
+    let pixels = f64::from(width) * f64::from(height);
+    talk.note(format_args!(
+        "wrote {}: {width}x{height}, {}, {antialiasing}, {frame_count} frame{}; {:.1} ms per frame, {:.2} shaded and {:.2} hits per pixel",
+        path.display(),
+        arguments.method,
+        if frame_count == 1 { "" } else { "s" },
+        tally.ms(0.5),
+        tally.shaded() / pixels,
+        tally.hits() / pixels,
+    ));
+    Ok(())
+}
+
+/// The file that the user named, or one in a folder of ours.
+fn output_path(arguments: &RenderArguments) -> anyhow::Result<PathBuf> {
+    if let Some(path) = &arguments.output {
+        return Ok(path.clone());
+    }
+    let folder = Path::new(output::FOLDER);
+    output::open_folder(folder)?;
+    Ok(folder.join(format!("{}.png", arguments.scene.file_stem())))
+}

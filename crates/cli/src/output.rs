@@ -1,0 +1,181 @@
+//! Outputs: checked before the first frame, written whole or not at all.
+
+use std::{
+    fs,
+    io::{self, Write as _},
+    path::{Path, PathBuf},
+    process,
+    sync::{Mutex, MutexGuard, PoisonError},
+};
+
+use anyhow::Context as _;
+use sheer_image::{ImageError, Metadata, Planes, ToneCurve, check_writable, write_frame, write_whole};
+
+/// The folder of outputs that were not named.
+pub(crate) const FOLDER: &str = "sheer-out";
+
+/// Held while a file is being written.
+static WRITING: Mutex<()> = Mutex::new(());
+
+fn writing() -> MutexGuard<'static, ()> {
+    // The lock guards no data that a panic could have left half-changed.
+    WRITING.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Lets Ctrl-C and SIGTERM end the program between two files and never within one, where a temporary file would stay behind.
+pub(crate) fn finish_writing_when_interrupted() {
+    let interrupted = || {
+        let _files_are_whole = writing();
+        // 128 + SIGINT, as shells report it.
+        process::exit(130);
+    };
+    // Without the handler an interruption works as well, only less tidily.
+    let _ = ctrlc::set_handler(interrupted);
+}
+
+/// Writes to stdout.
+///
+/// # Errors
+/// Whatever the system says; a broken pipe among it, which ends the program in silence.
+pub(crate) fn print(text: &str) -> anyhow::Result<()> {
+    let mut stdout = io::stdout().lock();
+    stdout.write_all(text.as_bytes())?;
+    Ok(stdout.flush()?)
+}
+
+/// A file for text, or stdout where it is called `-`.
+#[derive(Debug)]
+pub(crate) struct TextOutput<'a>(&'a Path);
+
+impl<'a> TextOutput<'a> {
+    /// Finds out whether it can be written.
+    pub(crate) fn open(path: &'a Path) -> anyhow::Result<Self> {
+        if path != Path::new("-") {
+            let _interruptions_wait = writing();
+            // The check knows pixel files only; what it finds out about their folder holds for any file.
+            match check_writable(&path.with_extension("png")) {
+                Ok(_) | Err(ImageError::IsFolder { .. }) => {}
+                Err(error) => return Err(error.into()),
+            }
+            if path.is_dir() {
+                return Err(ImageError::IsFolder { path: path.to_owned() }.into());
+            }
+        }
+        Ok(Self(path))
+    }
+
+    /// Writes it.
+    pub(crate) fn write(&self, text: &str) -> anyhow::Result<()> {
+        if self.0 == Path::new("-") {
+            return print(text);
+        }
+        let _interruptions_wait = writing();
+        Ok(write_whole(self.0, text.as_bytes())?)
+    }
+}
+
+/// Writes a file whole.
+pub(crate) fn write_file(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
+    let _interruptions_wait = writing();
+    Ok(write_whole(path, bytes)?)
+}
+
+/// Makes a folder, if need be, that accepts files.
+pub(crate) fn open_folder(folder: &Path) -> anyhow::Result<()> {
+    fs::create_dir_all(folder)
+        .with_context(|| format!("cannot make the folder {}: choose another with -o", folder.display()))?;
+    let _interruptions_wait = writing();
+    check_writable(&folder.join("probe.png"))?;
+    Ok(())
+}
+
+/// A picture file, or one for each frame.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum PictureOutput {
+    /// One file.
+    Single(PathBuf),
+    /// Numbered files: what stands before the number, its least number of digits, what stands after it.
+    Sequence {
+        /// Folder and beginning of the name.
+        before: String,
+        /// The number is filled up with zeros to this length.
+        digits: usize,
+        /// Rest of the name.
+        after: String,
+    },
+}
+
+impl PictureOutput {
+    /// Reads `####` or `%04d` in the file name as the place of a frame number.
+    pub(crate) fn from_path(path: &Path) -> Self {
+        let single = || Self::Single(path.to_owned());
+        let Some(text) = path.to_str() else { return single() };
+        let name_at = text.rfind('/').map_or(0, |slash| slash + 1);
+        let place = hashes(&text[name_at..]).or_else(|| percent(&text[name_at..]));
+        let Some((at, length, digits)) = place else { return single() };
+        let (before, after) = (&text[..name_at + at], &text[name_at + at + length..]);
+        Self::Sequence { before: before.to_owned(), digits, after: after.to_owned() }
+    }
+
+    /// The file of a frame.
+    pub(crate) fn path(&self, frame: u32) -> PathBuf {
+        match self {
+            Self::Single(path) => path.clone(),
+            Self::Sequence { before, digits, after } => format!("{before}{frame:0digits$}{after}").into(),
+        }
+    }
+
+    /// Finds out whether the frames can be written.
+    pub(crate) fn check(&self, frames: impl IntoIterator<Item = u32>) -> anyhow::Result<()> {
+        let _interruptions_wait = writing();
+        frames.into_iter().try_for_each(|frame| Ok(check_writable(&self.path(frame)).map(drop)?))
+    }
+
+    /// Writes the file of a frame.
+    pub(crate) fn write(&self, frame: u32, planes: &Planes, metadata: &Metadata) -> anyhow::Result<()> {
+        let _interruptions_wait = writing();
+        Ok(write_frame(&self.path(frame), planes, ToneCurve::default(), metadata)?)
+    }
+}
+
+/// Position, length and digits of the first run of two or more `#`.
+fn hashes(name: &str) -> Option<(usize, usize, usize)> {
+    let at = name.find("##")?;
+    let length = name[at..].bytes().take_while(|&byte| byte == b'#').count();
+    Some((at, length, length))
+}
+
+/// Position, length and digits of the first `%d`, `%4d` or `%04d`.
+fn percent(name: &str) -> Option<(usize, usize, usize)> {
+    name.match_indices('%').find_map(|(at, _)| {
+        let digits = name[at + 1..].bytes().take_while(u8::is_ascii_digit).count();
+        let width = &name[at + 1..at + 1 + digits];
+        let number = name[at + 1 + digits..].starts_with('d');
+        let width = if width.is_empty() { Some(1) } else { width.parse().ok().filter(|&width| width <= 20) };
+        width.filter(|_| number).map(|width| (at, digits + 2, width))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn frame_7(pattern: &str) -> String {
+        PictureOutput::from_path(Path::new(pattern)).path(7).display().to_string()
+    }
+
+    #[test]
+    fn a_frame_number_goes_where_the_name_says() {
+        assert_eq!(frame_7("out/a-####.png"), "out/a-0007.png");
+        assert_eq!(frame_7("a%04d.exr"), "a0007.exr");
+        assert_eq!(frame_7("a%d.exr"), "a7.exr");
+        assert_eq!(frame_7("100%/##.png"), "100%/07.png");
+    }
+
+    #[test]
+    fn a_name_without_a_place_for_a_number_is_one_file() {
+        for plain in ["a.png", "take#2.png", "50%.png", "50%off.exr", "####/a.png", "a%99999d.png"] {
+            assert_eq!(frame_7(plain), plain);
+        }
+    }
+}

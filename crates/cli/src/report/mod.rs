@@ -1,0 +1,3 @@
+//! What commands report, one file a format.
+
+pub(crate) mod listing;

@@ -1,0 +1,142 @@
+//! From arguments to a stage that can be rendered.
+
+use std::{path::Path, sync::Arc};
+
+use anyhow::Context as _;
+use rayon::ThreadPoolBuilder;
+use sheer_core::hash::fnv1a;
+use sheer_image::Metadata;
+use sheer_render::{Antialiasing, Method, RenderError, Settings, Stage};
+use sheer_scene::Scene;
+
+use crate::{
+    COMMIT, VERSION,
+    args::{FrameArguments, MachineArguments, SceneArguments, Size},
+    talk::Talk,
+};
+
+impl MachineArguments {
+    /// Limits the threads that work beside the stage's own, and tells how much may be said.
+    pub(crate) fn apply(self) -> anyhow::Result<Talk> {
+        let pool = ThreadPoolBuilder::new().num_threads(self.threads.unwrap_or(0));
+        pool.build_global().map_err(RenderError::from)?;
+        Ok(Talk { quiet: self.quiet })
+    }
+}
+
+impl FrameArguments {
+    /// The library's settings; `default_size` where the user named none.
+    pub(crate) fn settings(&self, default_size: Size) -> Settings {
+        Settings {
+            size: self.size.unwrap_or(default_size).0,
+            seed: self.seed,
+            background: self.background,
+            start_secs: self.time,
+            first_frame: self.first_frame,
+        }
+    }
+}
+
+/// An opened scene.
+#[derive(Debug)]
+pub(crate) struct Opened {
+    /// Ready to be traced.
+    pub(crate) stage: Stage,
+    /// Identifies the scene's contents.
+    pub(crate) hash: String,
+}
+
+impl SceneArguments {
+    /// Name for output files: that of the scene, or of its file, in characters that no shell or file system minds.
+    pub(crate) fn file_stem(&self) -> String {
+        let path = Path::new(&self.text);
+        let stem = path.file_stem().map_or(self.text.as_str().into(), |stem| stem.to_string_lossy());
+        // Parameters of built-in scenes stay out.
+        file_name_from(stem.split(':').next().unwrap_or_default())
+    }
+
+    /// Loads the scene and builds what rays need.
+    pub(crate) fn open(&self, machine: MachineArguments, talk: Talk) -> anyhow::Result<Opened> {
+        let loaded = sheer_scene::open(&self.text)?;
+        for warning in &loaded.warnings {
+            talk.warn(format_args!("{}: {warning}", self.text));
+        }
+        let scene = match self.alpha {
+            Some(alpha) => loaded.scene.with_alpha(alpha),
+            None => loaded.scene,
+        };
+        let scene = Arc::new(scene);
+        let hash = hash(&scene);
+        let camera = self.camera.clone().unwrap_or_default();
+        let stage = Stage::new(scene, &camera, machine.threads)
+            .with_context(|| format!("cannot set up {}", self.text))?;
+        Ok(Opened { stage, hash })
+    }
+}
+
+/// Letters, digits, dots and dashes of a text; runs of anything else become one dash.
+pub(crate) fn file_name_from(text: &str) -> String {
+    let keep = |c: char| c.is_ascii_alphanumeric() || c == '.' || c == '_';
+    let words = text.split(|c| !keep(c)).filter(|word| !word.is_empty());
+    let name = words.collect::<Vec<_>>().join("-");
+    if name.is_empty() { "scene".to_owned() } else { name }
+}
+
+/// FNV-1a of everything in a scene that has a say in its pictures.
+fn hash(scene: &Scene) -> String {
+    let parts = scene.parts();
+    let described = format!(
+        "{:?} {:?} {:?} {:?} {:?} {:?} {:?} {:?} {:?}",
+        parts.nodes,
+        parts.materials,
+        parts.instances,
+        parts.skins,
+        parts.animations,
+        parts.particles,
+        parts.cameras,
+        parts.lights,
+        parts.environment,
+    );
+    let vertices =
+        parts.meshes.iter().flat_map(|mesh| &mesh.positions).flat_map(|position| position.to_array());
+    let texels = parts.textures.iter().flat_map(|texture| texture.image.as_slice().as_flattened());
+    let bytes =
+        described.into_bytes().into_iter().chain(vertices.flat_map(f32::to_le_bytes)).chain(texels.copied());
+    format!("{:016x}", fnv1a(bytes))
+}
+
+/// How a picture was made, for its file.
+pub(crate) fn metadata(
+    scene: &SceneArguments,
+    method: &Method,
+    aa: Antialiasing,
+    settings: &Settings,
+) -> Metadata {
+    Metadata::default()
+        .with("scene", &scene.text)
+        .with("method", method)
+        .with("aa", aa)
+        .with("seed", settings.seed)
+        .with("commit", COMMIT)
+        .with("version", VERSION)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn file_names_keep_what_every_file_system_takes() {
+        assert_eq!(file_name_from("std:hash=mcguire"), "std-hash-mcguire");
+        assert_eq!(file_name_from("Flügel & Tür"), "Fl-gel-T-r");
+        assert_eq!(file_name_from("…"), "scene");
+    }
+
+    #[test]
+    fn the_hash_tells_scenes_apart() {
+        let hash_of = |text: &str| hash(&sheer_scene::open(text).unwrap().scene);
+        assert_eq!(hash_of("layers:count=2"), hash_of("layers:count=2"));
+        assert_ne!(hash_of("layers:count=2"), hash_of("layers:count=3"));
+        assert_ne!(hash_of("layers:alpha=0.2"), hash_of("layers:alpha=0.3"));
+    }
+}

@@ -1,0 +1,59 @@
+//! What frames cost, gathered over a run.
+
+use sheer_metrics::statistics::quantile;
+use sheer_render::{Counters, Timings};
+
+/// The cost of each frame of one method.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Tally {
+    frames: Vec<Timings>,
+    sum: Counters,
+}
+
+impl Tally {
+    /// Takes the next frame.
+    pub(crate) fn add(&mut self, (counters, timings): (Counters, Timings)) {
+        self.frames.push(timings);
+        self.sum = self.sum + counters;
+    }
+
+    /// Milliseconds of each frame, without temporal anti-aliasing.
+    pub(crate) fn frame_ms(&self) -> Vec<f64> {
+        self.frames.iter().map(Timings::frame_ms).collect()
+    }
+
+    /// The `share`-quantile of the milliseconds of a frame: 0 the least, 0.5 the median, 1 the most.
+    pub(crate) fn ms(&self, share: f64) -> f64 {
+        quantile(&self.frame_ms(), share)
+    }
+
+    /// The median of the milliseconds spent on animation and acceleration structure.
+    pub(crate) fn build_ms(&self) -> f64 {
+        quantile(&self.frames.iter().map(|frame| frame.build_ms).collect::<Vec<_>>(), 0.5)
+    }
+
+    /// Camera and shadow rays of a frame, mean.
+    pub(crate) fn rays(&self) -> f64 {
+        self.per_frame(self.sum.camera_rays + self.sum.shadow_rays)
+    }
+
+    /// Fragments shaded in a frame, mean.
+    pub(crate) fn shaded(&self) -> f64 {
+        self.per_frame(self.sum.shaded)
+    }
+
+    /// Hits of camera rays in a frame, mean.
+    pub(crate) fn hits(&self) -> f64 {
+        self.per_frame(self.sum.hits)
+    }
+
+    /// Million rays a second of tracing and shading.
+    pub(crate) fn mray_per_s(&self) -> f64 {
+        let trace_ms: f64 = self.frames.iter().map(|frame| frame.trace_ms).sum();
+        (self.sum.camera_rays + self.sum.shadow_rays) as f64 / (trace_ms * 1e3)
+    }
+
+    fn per_frame(&self, sum: u64) -> f64 {
+        sum as f64 / self.frames.len() as f64
+    }
+}

@@ -1,0 +1,224 @@
+//! Sampling statistics: is a difference more than chance, and how are numbers spread.
+
+use std::f64::consts::{PI, SQRT_2};
+
+/// Mean and variance of numbers that come one at a time (Welford 1962: one pass, no cancellation).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Moments {
+    count: u64,
+    mean: f64,
+    squares: f64,
+}
+
+impl Moments {
+    /// Takes the next number.
+    pub fn add(&mut self, value: f64) {
+        self.count += 1;
+        let before = value - self.mean;
+        self.mean += before / self.count as f64;
+        self.squares += before * (value - self.mean);
+    }
+
+    /// How many numbers there are.
+    #[must_use]
+    pub fn count(&self) -> u64 {
+        self.count
+    }
+
+    /// Their mean, 0 without any.
+    #[must_use]
+    pub fn mean(&self) -> f64 {
+        self.mean
+    }
+
+    /// Their sample variance, 0 for less than two.
+    #[must_use]
+    pub fn variance(&self) -> f64 {
+        if self.count > 1 { self.squares / (self.count - 1) as f64 } else { 0.0 }
+    }
+
+    /// Variance of the mean, 0 for less than two numbers.
+    #[must_use]
+    pub fn variance_of_mean(&self) -> f64 {
+        self.variance() / self.count.max(1) as f64
+    }
+}
+
+impl Extend<f64> for Moments {
+    fn extend<I: IntoIterator<Item = f64>>(&mut self, values: I) {
+        values.into_iter().for_each(|value| self.add(value));
+    }
+}
+
+impl FromIterator<f64> for Moments {
+    fn from_iter<I: IntoIterator<Item = f64>>(values: I) -> Self {
+        let mut moments = Self::default();
+        moments.extend(values);
+        moments
+    }
+}
+
+/// A difference in units of its standard error. Nothing differs by nothing: 0 over 0 is 0, anything else over 0 infinite.
+#[must_use]
+pub fn z_score(difference: f64, standard_error: f64) -> f64 {
+    if difference == 0.0 { 0.0 } else { difference / standard_error }
+}
+
+/// The probability that a standard normal number is at least as far from 0 as `z`. 0 for an infinite `z`, NaN for NaN.
+#[must_use]
+pub fn two_sided_p(z: f64) -> f64 {
+    // erfc(|z| / √2), and erfc(x) is Q(1/2, x²).
+    upper_gamma_of_half(1, (z / SQRT_2).powi(2))
+}
+
+/// The probability that the sum of `degrees` squared standard normal numbers is at least `statistic`.
+#[must_use]
+pub fn chi_square_p(statistic: f64, degrees: u32) -> f64 {
+    upper_gamma_of_half(degrees, statistic / 2.0)
+}
+
+/// The level at which each of `tests` independent tests has to be held so that all together err with probability `level`
+/// (Šidák 1967).
+#[must_use]
+pub fn sidak(level: f64, tests: u64) -> f64 {
+    // 1 - (1 - level)^(1 / tests), without losing the digits of small levels.
+    -((-level).ln_1p() / tests.max(1) as f64).exp_m1()
+}
+
+/// The `share`-quantile of numbers, 0 the least, 1 the greatest, 0.5 the median, linear in between. NaN without numbers.
+#[must_use]
+pub fn quantile(values: &[f64], share: f64) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let Some(last) = sorted.len().checked_sub(1) else { return f64::NAN };
+    let place = share.clamp(0.0, 1.0) * last as f64;
+    let (below, above) = (sorted[place.floor() as usize], sorted[place.ceil() as usize]);
+    below + (above - below) * place.fract()
+}
+
+/// The regularised upper incomplete gamma function Q(a, x) for a = `twice_a` / 2 (DLMF section 8.2).
+fn upper_gamma_of_half(twice_a: u32, x: f64) -> f64 {
+    // Changes beyond this share of a sum are below double precision.
+    const PRECISION: f64 = 1e-16;
+    let a = f64::from(twice_a) / 2.0;
+    if twice_a == 0 || x == f64::INFINITY {
+        return 0.0;
+    }
+    if x <= 0.0 {
+        return 1.0;
+    }
+    // x^a e^-x / Γ(a)
+    let scale = (a * x.ln() - x - ln_gamma_of_half(twice_a)).exp();
+    if x < a + 1.0 {
+        // DLMF 8.7.1: P(a, x) = x^a e^-x / Γ(a) · Σ x^n / (a (a+1) … (a+n)).
+        let (mut term, mut sum, mut n) = (1.0 / a, 1.0 / a, 1.0);
+        while term > sum * PRECISION {
+            term *= x / (a + n);
+            sum += term;
+            n += 1.0;
+        }
+        return (1.0 - scale * sum).max(0.0);
+    }
+    // DLMF 8.9.2 in its even form, 1/(x+1-a - 1(1-a)/(x+3-a - 2(2-a)/(x+5-a - …))), evaluated forwards as a product of ratios of
+    // successive numerators and denominators (modified Lentz; Thompson and Barnett 1986).
+    let mut b = x + 1.0 - a;
+    let (mut denominator, mut numerator) = (1.0 / b, f64::MAX);
+    let mut fraction = denominator;
+    let mut n = 1.0;
+    loop {
+        let partial = -n * (n - a);
+        b += 2.0;
+        denominator = 1.0 / (partial * denominator + b);
+        numerator = b + partial / numerator;
+        let ratio = numerator * denominator;
+        fraction *= ratio;
+        n += 1.0;
+        if (ratio - 1.0).abs() <= PRECISION.max(f64::EPSILON) || ratio.is_nan() {
+            return scale * fraction;
+        }
+    }
+}
+
+/// ln Γ(`twice_a` / 2), by Γ(a) = (a-1) Γ(a-1) down to Γ(1) = 1 or Γ(1/2) = √π.
+fn ln_gamma_of_half(twice_a: u32) -> f64 {
+    let (first, start) = if twice_a % 2 == 0 { (2, 0.0) } else { (1, PI.sqrt().ln()) };
+    start + (first..twice_a).step_by(2).map(|twice| (f64::from(twice) / 2.0).ln()).sum::<f64>()
+}
+
+#[cfg(test)]
+mod tests {
+    use sheer_core::hash::Pcg32;
+
+    use super::*;
+
+    #[test]
+    fn tails_agree_with_tables() {
+        // R: 2 * pnorm(-z), pchisq(x, k, lower.tail = FALSE).
+        for (z, p) in [
+            (0.0, 1.0),
+            (1.0, 0.317_310_507_862_914),
+            (1.959_963_984_540_054, 0.05),
+            (-3.0, 0.002_699_796_063_260_19),
+            (6.0, 1.973_175_290_075_4e-9),
+        ] {
+            assert!((two_sided_p(z) / p - 1.0).abs() < 1e-10, "{z}: {}", two_sided_p(z));
+        }
+        for (x, k, p) in [
+            (3.841_458_820_694_124, 1, 0.05),
+            (18.307_038_053_275_146, 10, 0.05),
+            (124.342_113_404_004, 100, 0.05),
+            (2.0, 2, (-1.0_f64).exp()),
+        ] {
+            assert!((chi_square_p(x, k) / p - 1.0).abs() < 1e-9, "{x}, {k}: {}", chi_square_p(x, k));
+        }
+        assert_eq!((two_sided_p(f64::INFINITY), chi_square_p(0.0, 5)), (0.0, 1.0));
+        assert!(two_sided_p(f64::NAN).is_nan());
+    }
+
+    #[test]
+    fn large_degrees_approach_the_normal_distribution() {
+        // Wilson and Hilferty 1931.
+        let degrees = 20_000;
+        let k = f64::from(degrees);
+        let x = k * (1.0 - 2.0 / (9.0 * k) + 1.5 * (2.0 / (9.0 * k)).sqrt()).powi(3);
+        assert!((chi_square_p(x, degrees) - two_sided_p(1.5) / 2.0).abs() < 1e-5);
+    }
+
+    #[test]
+    fn uniform_numbers_pass_and_a_slight_lean_is_found() {
+        let mut random = Pcg32::new(7, 1);
+        let numbers: Vec<f64> = (0..20_000).map(|_| f64::from(random.next_f32())).collect();
+        let z = |shift: f64| {
+            let moments: Moments = numbers.iter().map(|number| number + shift).collect();
+            z_score(moments.mean() - 0.5, moments.variance_of_mean().sqrt())
+        };
+        assert!(two_sided_p(z(0.0)) > 0.001);
+        assert!(two_sided_p(z(0.01)) < 0.001, "a bias of 2 % passes");
+    }
+
+    #[test]
+    fn many_tests_together_err_as_often_as_one() {
+        let each = sidak(0.01, 1000);
+        assert!(((1.0 - each).powi(1000) - 0.99).abs() < 1e-12);
+        assert_eq!(sidak(0.05, 1), sidak(0.05, 0));
+        assert!((sidak(0.05, 1) - 0.05).abs() < 1e-15);
+        assert!(sidak(1e-12, 10) > 0.0, "small levels vanish");
+    }
+
+    #[test]
+    fn nothing_over_nothing_is_no_difference_and_anything_else_an_infinite_one() {
+        assert_eq!(z_score(0.0, 0.0), 0.0);
+        assert_eq!(z_score(0.1, 0.0), f64::INFINITY);
+        assert_eq!(z_score(-0.5, 0.25), -2.0);
+    }
+
+    #[test]
+    fn moments_and_quantiles_of_a_few_numbers() {
+        let moments: Moments = [2.0, 4.0, 9.0].into_iter().collect();
+        assert_eq!((moments.count(), moments.mean(), moments.variance()), (3, 5.0, 13.0));
+        assert_eq!(Moments::default().variance_of_mean(), 0.0);
+        let numbers = [9.0, 1.0, 3.0, 5.0];
+        assert_eq!([0.0, 0.5, 1.0].map(|share| quantile(&numbers, share)), [1.0, 4.0, 9.0]);
+        assert!(quantile(&[], 0.5).is_nan());
+    }
+}
