@@ -22,17 +22,34 @@ pub(crate) fn traverse<L: Lanes>(lanes: L, tree: Tree<'_>, ray: &Ray, mut visit:
     let mut slots = Slots::new();
     let mut stack = Stack::new(&mut slots);
     stack.push(slabs.t_min, root);
-    while let Some((near, child)) = stack.pop() {
+    'pop: while let Some((near, mut child)) = stack.pop() {
         if near > t_max {
             continue;
         }
-        if !child.is_block() {
+        while !child.is_block() {
             let node = &tree.nodes[child.index()];
             let (near, entered) = slabs.enter(lanes, node, t_max);
-            if entered != 0 {
-                lanes.push(&mut stack, near, entered, &node.children);
+            if entered == 0 {
+                continue 'pop;
             }
-            continue;
+            let first = entered.trailing_zeros() as usize % WIDTH;
+            let rest = entered & (entered - 1);
+            child = node.children[first];
+            if rest == 0 {
+                continue;
+            }
+            if rest & (rest - 1) != 0 {
+                lanes.push(&mut stack, near, entered, &node.children);
+                continue 'pop;
+            }
+            let second = rest.trailing_zeros() as usize % WIDTH;
+            let near = lanes.store(near);
+            if near[first] <= near[second] {
+                stack.push(near[second], node.children[second]);
+            } else {
+                stack.push(near[first], child);
+                child = node.children[second];
+            }
         }
         let block = &tree.blocks[child.index()];
         if !shear.hit(lanes, block, slabs.t_min, t_max, &mut hits) {
