@@ -77,3 +77,12 @@ pub fn open(text: &str) -> Result<Loaded, SceneError> {
         _ => builtin::build(text).map(|scene| Loaded { scene, warnings: Vec::new() }),
     }
 }
+
+/// Reads a `.gltf` or `.glb` file that is in memory already. Files that it refers to are looked for beside `path`, which also names the
+/// scene and stands in messages; it need not exist.
+///
+/// # Errors
+/// [`SceneError::File`] says what is wrong, where, and what to do; [`SceneError::Read`] names a file beside it that cannot be read.
+pub fn read_gltf(bytes: &[u8], path: &Path) -> Result<Loaded, SceneError> {
+    gltf::load_slice(bytes, path)
+}

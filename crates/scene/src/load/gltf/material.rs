@@ -330,8 +330,8 @@ impl Materials<'_, '_> {
 }
 
 fn unit(factor: f32) -> f32 {
-    // A number that is none becomes 0.
-    factor.max(0.0).min(1.0)
+    // What is not a number becomes 0.
+    if factor > 0.0 { factor.min(1.0) } else { 0.0 }
 }
 
 /// Wrapping and filter of a sampler; an unknown number means the default.

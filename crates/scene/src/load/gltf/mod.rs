@@ -6,7 +6,7 @@
 //! **Trust.** A file is input from a stranger. Only files below its own folder are opened. Every index, offset and length is checked where
 //! it is used, and recursion is avoided where a file chooses the depth. What one file may take: the JSON costs at most about
 //! 200 times its size; everything decoded from buffers together at most [`BASE_BYTES`] plus [`BYTES_PER_INPUT_BYTE`] times the bytes read;
-//! images at most [`IMAGE_BYTES`] together.
+//! images at most [`IMAGE_BYTES`] together; and at most [`MAX_DRAWN_TRIANGLES`] triangles are drawn.
 
 use std::path::Path;
 
@@ -43,6 +43,9 @@ const BASE_BYTES: u64 = 512 << 20;
 const BYTES_PER_INPUT_BYTE: u64 = 64;
 /// What all images of a file may take in memory when decoded.
 const IMAGE_BYTES: u64 = 6 << 30;
+
+/// Triangles that may be drawn, each instance counted: every frame holds all of them, at some 200 bytes each with its hierarchy.
+const MAX_DRAWN_TRIANGLES: u64 = 1 << 26;
 
 /// Extensions that are drawn as they say.
 const DRAWN: &[&str] = &[

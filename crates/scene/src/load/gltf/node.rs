@@ -5,6 +5,7 @@ use std::collections::{HashMap, HashSet};
 use glam::{Affine3A, Mat4, Quat, Vec3};
 
 use super::{
+    MAX_DRAWN_TRIANGLES,
     document::Document,
     material::Materials,
     mesh,
@@ -77,13 +78,12 @@ impl Hierarchy {
 
         // The scene shown; a file without scenes shows all it has.
         let scenes = &document.root.scenes;
-        let mut shown = vec![false; nodes.len()];
-        let roots = match (document.root.scene, scenes.first()) {
-            (Some(index), _) => &document.get(scenes, index, "scene", "scene")?.nodes,
-            (None, Some(first)) => &first.nodes,
-            (None, None) => &order,
+        let scene = match document.root.scene {
+            Some(index) => Some(document.get(scenes, index, "scene", "scene")?),
+            None => scenes.first(),
         };
-        for &root in roots {
+        let mut shown: Vec<bool> = parents.iter().map(|parent| scene.is_none() && parent.is_none()).collect();
+        for &root in scene.map_or(&[][..], |scene| &scene.nodes) {
             document.get(nodes, root, "node", "scene")?;
             shown[sorted[root] as usize] = true;
         }
@@ -239,6 +239,7 @@ impl Hierarchy {
     ) -> Result<(), SceneError> {
         let mut library = mesh::Library::new(document);
         let mut next_id = 0_u32;
+        let mut drawn_triangles = 0_u64;
         for (at, index, node) in self.shown(document) {
             let Some(mesh_index) = node.mesh else { continue };
             let node_place = place(document, index);
@@ -263,6 +264,13 @@ impl Hierarchy {
                     .ok_or_else(|| document.fault(&node_place, "there are more than 2³² objects"))?;
                 for primitive in &primitives {
                     let mesh = &parts.meshes[primitive.mesh as usize];
+                    drawn_triangles += mesh.indices.len() as u64;
+                    if drawn_triangles > MAX_DRAWN_TRIANGLES {
+                        let problem = format!(
+                            "with its instances the file draws more than {MAX_DRAWN_TRIANGLES} triangles; reduce or split it"
+                        );
+                        return Err(document.fault(&node_place, problem));
+                    }
                     let target_count = mesh.morph_targets.len();
                     document.charge(
                         1,

@@ -1,0 +1,488 @@
+//! What files mean.
+
+use std::{fs, sync::Arc};
+
+use glam::{Affine3A, Quat, Vec2, Vec3, Vec4};
+use serde_json::json;
+use sheer_scene::{
+    Environment, Lens, LoadWarning, Loaded,
+    model::{
+        AlphaMode, Filter, Interpolation, LightKind, Material, Mesh, SceneParts, ShadingModel, Track,
+        Transform, Wrap,
+    },
+    open,
+};
+
+use crate::builder::Builder;
+
+fn parts(builder: &Builder) -> SceneParts {
+    builder.load().unwrap().scene.parts().clone()
+}
+
+fn mesh(builder: &Builder) -> Mesh {
+    parts(builder).meshes.remove(0)
+}
+
+fn material(builder: &Builder) -> Material {
+    parts(builder).materials.remove(0)
+}
+
+#[test]
+fn a_triangle_comes_out_as_it_went_in() {
+    let loaded = Builder::triangle().load().unwrap();
+    assert!(loaded.warnings.is_empty());
+    let parts = loaded.scene.parts();
+    assert_eq!(parts.name, "test");
+    assert_eq!(parts.meshes[0].positions, [Vec3::ZERO, Vec3::X, Vec3::Y]);
+    assert_eq!(parts.meshes[0].indices, [[0, 1, 2]]);
+    assert!(parts.meshes[0].normals.is_empty());
+    // The default material of the specification is a rough metal.
+    assert_eq!((parts.materials[0].metallic, parts.materials[0].roughness), (1.0, 1.0));
+    assert_eq!(parts.environment.zenith, Environment::default().zenith);
+    assert_eq!(parts.exposure, 1.0);
+}
+
+#[test]
+fn buffers_may_lie_beside_the_file_under_any_name() {
+    let folder = tempfile::tempdir().unwrap();
+    for (uri, name) in
+        [("a b.bin", "a b.bin"), ("c%20d.bin", "c d.bin"), ("50%.bin", "50%.bin"), ("e%2Bf.bin", "e%2Bf.bin")]
+    {
+        let builder = Builder::triangle();
+        let (json, binary) = builder.separate(uri);
+        fs::write(folder.path().join(name), binary).unwrap();
+        let file = folder.path().join("Box With Spaces.gltf");
+        fs::write(&file, json).unwrap();
+        let loaded = open(file.to_str().unwrap()).unwrap();
+        assert_eq!(loaded.scene.parts().meshes[0].indices.len(), 1, "{uri}");
+    }
+}
+
+#[test]
+fn only_the_scene_shown_is_drawn() {
+    let mut builder = Builder::triangle();
+    builder.json["nodes"] =
+        json!([{"mesh": 0, "children": [1]}, {"mesh": 0}, {"mesh": 0}, {"children": [4]}, {"mesh": 0}]);
+    let drawn = |builder: &Builder| parts(builder).instances.len();
+    builder.json["scenes"] = json!([{"nodes": [0]}, {"nodes": [2, 3]}]);
+    assert_eq!(drawn(&builder), 2);
+    builder.json["scene"] = json!(1);
+    assert_eq!(drawn(&builder), 2);
+    builder.json["nodes"][3]["extensions"] = json!({"KHR_node_visibility": {"visible": false}});
+    assert_eq!(drawn(&builder), 1);
+    builder.json.as_object_mut().unwrap().remove("scene");
+    builder.json.as_object_mut().unwrap().remove("scenes");
+    assert_eq!(drawn(&builder), 3);
+}
+
+#[test]
+fn parents_stand_before_their_children_whatever_the_order_in_the_file() {
+    let mut builder = Builder::triangle();
+    builder.json["nodes"] = json!([{"name": "leaf", "mesh": 0}, {"name": "middle", "children": [0]}, {"name": "root", "children": [1]}]);
+    builder.json["scenes"][0]["nodes"] = json!([2]);
+    let parts = parts(&builder);
+    let names: Vec<_> = parts.nodes.iter().map(|node| node.name.as_str()).collect();
+    assert_eq!(names, ["root", "middle", "leaf"]);
+    assert_eq!(parts.nodes.iter().map(|node| node.parent).collect::<Vec<_>>(), [None, Some(0), Some(1)]);
+    assert_eq!(parts.instances[0].node, 2);
+}
+
+#[test]
+fn a_chain_of_a_hundred_thousand_nodes_needs_no_recursion() {
+    let mut builder = Builder::triangle();
+    let mut nodes: Vec<_> = (1..100_000).map(|child| json!({"children": [child]})).collect();
+    nodes.push(json!({"mesh": 0}));
+    builder.json["nodes"] = json!(nodes);
+    assert_eq!(parts(&builder).instances[0].node, 99_999);
+}
+
+#[test]
+fn mirrored_nodes_keep_their_winding() {
+    let mut builder = Builder::triangle();
+    builder.json["nodes"][0]["scale"] = json!([-1, 1, 1]);
+    let parts = parts(&builder);
+    assert_eq!(parts.meshes[0].indices, [[0, 1, 2]]);
+    assert!(parts.nodes[0].transform.to_affine().matrix3.determinant() < 0.0);
+}
+
+#[test]
+fn all_component_types_become_numbers() {
+    let cases: [(u32, &[u8], bool, [f32; 2]); 7] = [
+        (5120, &[127, 0x81], true, [1.0, -1.0]),
+        (5120, &[0x80, 3], true, [-1.0, 3.0 / 127.0]),
+        (5120, &[0x80, 3], false, [-128.0, 3.0]),
+        (5121, &[255, 51], true, [1.0, 0.2]),
+        (5122, &[0xFF, 0x7F, 0x01, 0x80], true, [1.0, -1.0]),
+        (5123, &[0xFF, 0xFF, 0, 0], true, [1.0, 0.0]),
+        (5123, &[0xFF, 0xFF, 2, 0], false, [65535.0, 2.0]),
+    ];
+    for (component, bytes, normalised, expected) in cases {
+        let mut builder = Builder::triangle();
+        let uvs = builder.accessor("VEC2", component, &bytes.repeat(3), 3);
+        builder.json["accessors"][uvs]["normalized"] = json!(normalised);
+        builder.attribute("TEXCOORD_0", uvs);
+        assert_eq!(mesh(&builder).uv_sets[0], [Vec2::from(expected); 3], "{component} {normalised}");
+    }
+}
+
+#[test]
+fn strides_and_offsets_are_followed() {
+    let mut builder = Builder::triangle();
+    let uvs = builder.accessor("VEC2", 5121, &[9, 9, 1, 2, 9, 9, 3, 4, 9, 9, 5, 6], 3);
+    let view = builder.json["accessors"][uvs]["bufferView"].as_u64().unwrap() as usize;
+    builder.json["bufferViews"][view]["byteStride"] = json!(4);
+    builder.json["accessors"][uvs]["byteOffset"] = json!(2);
+    builder.attribute("TEXCOORD_0", uvs);
+    assert_eq!(mesh(&builder).uv_sets[0], [Vec2::new(1.0, 2.0), Vec2::new(3.0, 4.0), Vec2::new(5.0, 6.0)]);
+}
+
+#[test]
+fn sparse_accessors_replace_elements_with_a_view_or_without() {
+    for with_view in [true, false] {
+        let mut builder = Builder::triangle();
+        let indices = builder.view(&[2, 0]);
+        let values = builder.view(&[0, 0, 0, 64, 0, 0, 64, 64, 0, 0, 128, 64]);
+        let sparse = json!({
+            "count": 1,
+            "indices": {"bufferView": indices, "byteOffset": 0, "componentType": 5121},
+            "values": {"bufferView": values},
+        });
+        let positions = &mut builder.json["accessors"][0];
+        positions["sparse"] = sparse;
+        if !with_view {
+            positions.as_object_mut().unwrap().remove("bufferView");
+        }
+        let last = Vec3::new(2.0, 3.0, 4.0);
+        let expected = if with_view { [Vec3::ZERO, Vec3::X, last] } else { [Vec3::ZERO, Vec3::ZERO, last] };
+        assert_eq!(mesh(&builder).positions, expected);
+    }
+}
+
+#[test]
+fn joint_sets_are_joined_and_weights_sum_to_one() {
+    let mut builder = Builder::triangle();
+    let joints = builder.accessor("VEC4", 5121, &[0, 1, 200, 0].repeat(3), 3);
+    let first = builder.floats("VEC4", &[1.0, 0.5, 0.0, 0.0].repeat(3));
+    let second = builder.floats("VEC4", &[0.5, 0.0, 0.0, 0.0].repeat(3));
+    for (name, accessor) in
+        [("JOINTS_0", joints), ("WEIGHTS_0", first), ("JOINTS_1", joints), ("WEIGHTS_1", second)]
+    {
+        builder.attribute(name, accessor);
+    }
+    builder.json["skins"] = json!([{"joints": [0, 1]}]);
+    builder.json["nodes"] = json!([{"mesh": 0, "skin": 0}, {}]);
+    let parts = parts(&builder);
+    assert_eq!(parts.instances[0].skin, Some(0));
+    assert_eq!(parts.skins[0].inverse_bind, [Affine3A::IDENTITY; 2]);
+    let influences = &parts.meshes[0].influences[..8];
+    assert_eq!(parts.meshes[0].influences_per_vertex, 8);
+    assert_eq!(
+        influences.iter().map(|influence| influence.weight).collect::<Vec<_>>(),
+        [0.5, 0.25, 0.0, 0.0, 0.25, 0.0, 0.0, 0.0]
+    );
+    // Joint 200 pulls nothing and so need not exist.
+    assert_eq!(influences[2].joint, 0);
+}
+
+#[test]
+fn a_node_overrides_the_morph_weights_of_its_mesh() {
+    let mut builder = Builder::triangle();
+    let deltas = builder.accessor("VEC3", 5120, &[1, 2, 3, 0].repeat(3), 3);
+    let view = builder.json["accessors"][deltas]["bufferView"].as_u64().unwrap() as usize;
+    builder.json["bufferViews"][view]["byteStride"] = json!(4);
+    builder.primitive()["targets"] = json!([{"POSITION": deltas}, {}]);
+    builder.json["meshes"][0]["weights"] = json!([0.5]);
+    let at_mesh = parts(&builder);
+    assert_eq!(at_mesh.instances[0].morph_weights, [0.5, 0.0]);
+    assert_eq!(at_mesh.meshes[0].morph_targets[0].positions, [Vec3::new(1.0, 2.0, 3.0); 3]);
+    assert!(at_mesh.meshes[0].morph_targets[1].positions.is_empty());
+    builder.json["nodes"][0]["weights"] = json!([0.25, 1]);
+    assert_eq!(parts(&builder).instances[0].morph_weights, [0.25, 1.0]);
+}
+
+/// A channel that moves a property of node 0 between two keys.
+fn animate(builder: &mut Builder, name: &str, path: &str, interpolation: &str, output: usize) {
+    let times = builder.floats("SCALAR", &[0.0, 1.0]);
+    builder.push(
+        "animations",
+        json!({
+            "name": name,
+            "channels": [{"sampler": 0, "target": {"node": 0, "path": path}}],
+            "samplers": [{"input": times, "output": output, "interpolation": interpolation}],
+        }),
+    );
+}
+
+#[test]
+fn the_first_animation_plays_with_those_that_move_something_else() {
+    let mut builder = Builder::triangle();
+    let moves = builder.floats("VEC3", &[0.0; 6]);
+    animate(&mut builder, "first", "translation", "STEP", moves);
+    animate(&mut builder, "again", "translation", "LINEAR", moves);
+    animate(&mut builder, "other", "scale", "LINEAR", moves);
+    let Loaded { scene, warnings } = builder.load().unwrap();
+    let names: Vec<_> = scene.parts().animations.iter().map(|animation| animation.name.as_str()).collect();
+    assert_eq!(names, ["first", "other"]);
+    assert_eq!(warnings, [LoadWarning::AnimationSkipped { place: "animation 1 'again'".to_owned() }]);
+}
+
+#[test]
+fn cubic_rotations_keep_their_tangents_and_get_unit_keys() {
+    let mut builder = Builder::triangle();
+    let keys = [[9.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 2.0], [0.0, 7.0, 0.0, 0.0]].concat().repeat(2);
+    let output = builder.floats("VEC4", &keys);
+    animate(&mut builder, "", "rotation", "CUBICSPLINE", output);
+    let parts = parts(&builder);
+    let Track::Rotation(keys) = &parts.animations[0].channels[0].track else { panic!("not a rotation") };
+    assert_eq!(keys.interpolation, Interpolation::CubicSpline);
+    assert_eq!(keys.values.len(), 6);
+    assert_eq!((keys.values[0].x, keys.values[1], keys.values[2].y), (9.0, Quat::IDENTITY, 7.0));
+}
+
+#[test]
+fn morph_weights_are_animated_together() {
+    let mut builder = Builder::triangle();
+    builder.primitive()["targets"] = json!([{}, {}, {}]);
+    let output = builder.accessor("SCALAR", 5121, &[0, 51, 255, 0, 0, 0], 6);
+    builder.json["accessors"][output]["normalized"] = json!(true);
+    animate(&mut builder, "", "weights", "LINEAR", output);
+    let parts = parts(&builder);
+    let Track::MorphWeights(keys) = &parts.animations[0].channels[0].track else { panic!("not weights") };
+    assert_eq!(keys.values, [[0.0, 0.2, 1.0], [0.0; 3]]);
+}
+
+#[test]
+fn keys_at_one_time_stay_a_jump_and_a_matrix_is_taken_apart() {
+    let mut builder = Builder::triangle();
+    builder.json["nodes"][0]["matrix"] = json!([2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 2, 0, 1, 2, 3, 1]);
+    let output = builder.floats("VEC3", &[0.0; 6]);
+    animate(&mut builder, "", "translation", "LINEAR", output);
+    let times = builder.floats("SCALAR", &[1.0, 1.0]);
+    builder.json["animations"][0]["samplers"][0]["input"] = json!(times);
+    let Loaded { scene, warnings } = builder.load().unwrap();
+    let Track::Translation(keys) = &scene.parts().animations[0].channels[0].track else {
+        panic!("not a translation")
+    };
+    assert_eq!(keys.times_secs, [1.0, 1.0_f32.next_up()]);
+    assert!(
+        matches!(scene.parts().nodes[0].transform, Transform::Trs { scale, .. } if scale.abs_diff_eq(Vec3::splat(2.0), 1e-6))
+    );
+    assert_eq!(warnings.len(), 2);
+}
+
+#[test]
+fn animation_pointers_are_left_out_with_a_warning() {
+    let mut builder = Builder::triangle();
+    builder.json["extensionsUsed"] = json!(["KHR_animation_pointer"]);
+    let output = builder.floats("SCALAR", &[0.0; 2]);
+    animate(&mut builder, "", "pointer", "LINEAR", output);
+    let Loaded { scene, warnings } = builder.load().unwrap();
+    assert!(scene.parts().animations.is_empty());
+    assert_eq!(warnings, [LoadWarning::ExtensionIgnored { extension: "KHR_animation_pointer".to_owned() }]);
+}
+
+#[test]
+fn cameras_get_names_of_their_own() {
+    let mut builder = Builder::triangle();
+    builder.json["cameras"] = json!([
+        {"type": "perspective", "name": "view", "perspective": {"yfov": 0.5, "znear": 0.1}},
+        {"type": "orthographic", "orthographic": {"xmag": 1, "ymag": 2, "zfar": 9, "znear": 0}},
+    ]);
+    builder.json["nodes"] =
+        json!([{"camera": 1}, {"camera": 0}, {"camera": 0}, {"camera": 1, "name": "view"}]);
+    builder.json["scenes"][0]["nodes"] = json!([0, 1, 2, 3]);
+    let cameras = parts(&builder).cameras;
+    let names: Vec<_> = cameras.iter().map(|camera| camera.name.as_str()).collect();
+    assert_eq!(names, ["view", "view 2", "camera1", "view 3"]);
+    assert_eq!(cameras[0].lens, Lens::Perspective { yfov_rad: 0.5 });
+    assert_eq!(cameras[2].lens, Lens::Orthographic { half_height: 2.0 });
+}
+
+#[test]
+fn lights_of_a_file_dim_the_surroundings() {
+    let mut builder = Builder::triangle();
+    builder.json["extensions"] = json!({"KHR_lights_punctual": {"lights": [
+        {"type": "directional", "color": [1, 0.5, 0], "intensity": 2},
+        {"type": "point", "range": 3},
+        {"type": "spot", "spot": {"innerConeAngle": 0.25}},
+    ]}});
+    let hung = |light: u32| json!({"extensions": {"KHR_lights_punctual": {"light": light}}});
+    builder.json["nodes"] = json!([hung(0), hung(1), hung(2)]);
+    builder.json["scenes"][0]["nodes"] = json!([0, 1, 2]);
+    let parts = parts(&builder);
+    assert_eq!(parts.lights[0].intensity, Vec3::new(2.0, 1.0, 0.0));
+    let kinds: Vec<_> = parts.lights.iter().map(|light| light.kind).collect();
+    let spot = LightKind::Spot {
+        range: f32::INFINITY,
+        inner_cone_rad: 0.25,
+        outer_cone_rad: std::f32::consts::FRAC_PI_4,
+    };
+    assert_eq!(kinds, [LightKind::Directional, LightKind::Point { range: 3.0 }, spot]);
+    let default = Environment::default();
+    assert!(parts.environment.zenith.x > 0.0 && parts.environment.zenith.x < 0.5 * default.zenith.x);
+}
+
+#[test]
+fn materials_say_how_alpha_and_light_are_meant() {
+    let mut builder = Builder::triangle();
+    builder.material(json!({
+        "pbrMetallicRoughness": {"baseColorFactor": [0.1, 0.2, 0.3, 0.4], "metallicFactor": 0.5, "roughnessFactor": 0.6},
+        "alphaMode": "MASK", "doubleSided": true, "emissiveFactor": [1, 0.5, 0],
+        "extensions": {"KHR_materials_unlit": {}, "KHR_materials_emissive_strength": {"emissiveStrength": 4}},
+    }));
+    let masked = material(&builder);
+    assert_eq!(masked.alpha_mode, AlphaMode::Mask { cutoff: 0.5 });
+    assert_eq!(masked.base_colour, Vec4::new(0.1, 0.2, 0.3, 0.4));
+    assert_eq!((masked.metallic, masked.roughness, masked.double_sided), (0.5, 0.6, true));
+    assert_eq!((masked.model, masked.emissive), (ShadingModel::Unlit, Vec3::new(4.0, 2.0, 0.0)));
+    builder.json["materials"][0]["alphaMode"] = json!("BLEND");
+    assert_eq!(material(&builder).alpha_mode, AlphaMode::Blend);
+}
+
+#[test]
+fn texture_transforms_turn_as_the_extension_says() {
+    let mut builder = Builder::triangle();
+    let texture = builder.texture([1, 2, 3, 4]);
+    let quarter = std::f32::consts::FRAC_PI_2;
+    builder.material(json!({"pbrMetallicRoughness": {"baseColorTexture": {"index": texture, "texCoord": 0, "extensions": {
+        "KHR_texture_transform": {"offset": [10, 20], "rotation": quarter, "scale": [2, 3], "texCoord": 1},
+    }}}}));
+    let used = material(&builder).base_colour_texture.unwrap();
+    assert_eq!(used.uv_set, 1);
+    // Scaled, then turned counter-clockwise as seen with v pointing down, then moved.
+    let moved = used.transform.transform_point2(Vec2::ONE);
+    assert!(moved.abs_diff_eq(Vec2::new(10.0 + 3.0, 20.0 - 2.0), 1e-5), "{moved}");
+}
+
+#[test]
+fn one_image_serves_as_colour_and_as_data() {
+    let mut builder = Builder::triangle();
+    let texture = builder.texture([1, 2, 3, 4]);
+    builder.json["samplers"] = json!([{"magFilter": 9728, "wrapS": 33071, "wrapT": 33648}]);
+    builder.json["textures"][texture]["sampler"] = json!(0);
+    builder.material(json!({
+        "pbrMetallicRoughness": {"baseColorTexture": {"index": texture}, "metallicRoughnessTexture": {"index": texture}},
+        "normalTexture": {"index": texture, "scale": 0.5}, "occlusionTexture": {"index": texture, "strength": 0.25},
+    }));
+    let parts = parts(&builder);
+    assert_eq!(
+        parts.textures.iter().map(|texture| texture.srgb).collect::<std::collections::BTreeSet<_>>().len(),
+        2
+    );
+    assert_eq!(parts.textures.len(), 2);
+    assert!(Arc::ptr_eq(&parts.textures[0].image, &parts.textures[1].image));
+    assert_eq!(parts.textures[0].image.as_slice(), [[1, 2, 3, 4]]);
+    assert_eq!(parts.textures[0].wrap, [Wrap::ClampToEdge, Wrap::MirroredRepeat]);
+    assert_eq!(parts.textures[0].filter, Filter::Nearest);
+    assert_eq!((parts.materials[0].normal_scale, parts.materials[0].occlusion_strength), (0.5, 0.25));
+}
+
+#[test]
+fn webp_images_come_before_their_fallback() {
+    let mut builder = Builder::triangle();
+    let texture = builder.texture([255; 4]);
+    let webp = "data:image/webp;base64,UklGRiIAAABXRUJQVlA4IBYAAAAwAQCdASoBAAEADsD+JaQAA3AAAAAA";
+    let image = builder.push("images", json!({"uri": webp}));
+    builder.json["textures"][texture]["extensions"] = json!({"EXT_texture_webp": {"source": image}});
+    builder.json["extensionsRequired"] = json!(["EXT_texture_webp"]);
+    builder.material(json!({"emissiveTexture": {"index": texture}}));
+    let parts = parts(&builder);
+    assert_eq!(parts.textures[0].image.size(), (1, 1));
+    assert_ne!(parts.textures[0].image.as_slice(), [[255; 4]]);
+}
+
+#[test]
+fn transmission_lowers_alpha() {
+    let transmits = |factor: f32| json!({"KHR_materials_transmission": {"transmissionFactor": factor}});
+    let glass = |base: serde_json::Value, mode: &str| {
+        let mut builder = Builder::triangle();
+        builder.material(json!({"name": "glass", "alphaMode": mode, "pbrMetallicRoughness": base, "extensions": transmits(1.0)}));
+        let loaded = builder.load().unwrap();
+        assert_eq!(
+            loaded.warnings,
+            [LoadWarning::TransmissionAsCoverage { material: "material 0 'glass'".to_owned() }]
+        );
+        loaded.scene.parts().materials[0].clone()
+    };
+    let clear = glass(json!({"metallicFactor": 0}), "OPAQUE");
+    assert_eq!(clear.alpha_mode, AlphaMode::Blend);
+    assert!((clear.base_colour.w - 0.15).abs() < 1e-6);
+    let blended = glass(json!({"metallicFactor": 0, "baseColorFactor": [1, 1, 1, 0.5]}), "BLEND");
+    assert!((blended.base_colour.w - 0.075).abs() < 1e-6);
+    // A metal transmits nothing.
+    assert_eq!(glass(json!({"metallicFactor": 1}), "OPAQUE").base_colour.w, 1.0);
+}
+
+#[test]
+fn a_transmission_texture_goes_into_the_base_colour() {
+    let mut builder = Builder::triangle();
+    let base = builder.texture([10, 20, 30, 0]);
+    let half = builder.texture([128, 0, 0, 0]);
+    builder.material(json!({
+        "pbrMetallicRoughness": {"baseColorTexture": {"index": base}, "metallicFactor": 0},
+        "extensions": {"KHR_materials_transmission": {"transmissionFactor": 1, "transmissionTexture": {"index": half}}},
+    }));
+    let parts = parts(&builder);
+    assert_eq!(parts.materials[0].alpha_mode, AlphaMode::Blend);
+    assert_eq!(parts.textures.len(), 1);
+    // The alpha of an opaque material's texture means nothing: what is left is 1 - 0.85 · 128/255.
+    assert_eq!(parts.textures[0].image.as_slice(), [[10, 20, 30, 146]]);
+}
+
+#[test]
+fn specular_glossiness_is_converted_unless_the_file_offers_both() {
+    let glossy = json!({"KHR_materials_pbrSpecularGlossiness": {"diffuseFactor": [0, 0, 0, 0.5], "specularFactor": [1, 0.5, 0.25], "glossinessFactor": 0.75}});
+    let mut builder = Builder::triangle();
+    builder.material(json!({"extensions": glossy}));
+    let metal = material(&builder);
+    assert!(
+        (metal.metallic - 1.0).abs() < 1e-3
+            && metal.base_colour.abs_diff_eq(Vec4::new(1.0, 0.5, 0.25, 0.5), 1e-3)
+    );
+    assert_eq!(metal.roughness, 0.25);
+    let texture = builder.texture([255, 128, 64, 128]);
+    builder.json["materials"][0]["extensions"]["KHR_materials_pbrSpecularGlossiness"]["diffuseTexture"] =
+        json!({"index": texture});
+    let textured = parts(&builder);
+    assert_eq!(textured.textures.len(), 2);
+    assert_eq!(textured.textures[0].image[(0, 0)][3], 128);
+    assert_eq!(textured.textures[1].image[(0, 0)][1..3], [64, 255]);
+    builder.json["materials"][0]["pbrMetallicRoughness"] = json!({"roughnessFactor": 0.125});
+    assert_eq!(material(&builder).roughness, 0.125);
+}
+
+#[test]
+fn extensions_without_effect_are_named_once() {
+    let mut builder = Builder::triangle();
+    builder.json["extensionsUsed"] =
+        json!(["KHR_materials_ior", "KHR_materials_sheen", "KHR_materials_ior", "VENDOR_new"]);
+    builder.json["extensionsRequired"] = json!(["KHR_materials_sheen"]);
+    let names: Vec<_> = builder.load().unwrap().warnings.iter().map(ToString::to_string).collect();
+    assert_eq!(names.len(), 3);
+    assert!(names[2].contains("VENDOR_new"));
+}
+
+#[test]
+fn gpu_instances_stand_where_their_attributes_say() {
+    let mut builder = Builder::triangle();
+    let places = builder.floats("VEC3", &[1.0, 0.0, 0.0, 0.0, 2.0, 0.0]);
+    let scales = builder.floats("VEC3", &[1.0, 1.0, 1.0, 2.0, 2.0, 2.0]);
+    builder.json["nodes"][0]["extensions"] = json!({"EXT_mesh_gpu_instancing": {"attributes": {"TRANSLATION": places, "SCALE": scales, "_ID": 0}}});
+    let parts = parts(&builder);
+    let moved: Vec<_> =
+        parts.instances.iter().map(|instance| instance.node_from_object.transform_point3(Vec3::X)).collect();
+    assert_eq!(moved, [Vec3::new(2.0, 0.0, 0.0), Vec3::new(2.0, 2.0, 0.0)]);
+    assert_eq!([parts.instances[0].id, parts.instances[1].id], [0, 1]);
+}
+
+#[test]
+fn vertex_colours_have_three_components_or_four() {
+    let mut builder = Builder::triangle();
+    let colours = builder.accessor("VEC4", 5123, &[0xFF, 0xFF, 0, 0, 0, 0, 0x33, 0x33].repeat(3), 3);
+    builder.json["accessors"][colours]["normalized"] = json!(true);
+    builder.attribute("COLOR_0", colours);
+    assert_eq!(mesh(&builder).colours, [Vec4::new(1.0, 0.0, 0.0, 0.2); 3]);
+    let opaque = builder.floats("VEC3", &[0.5; 9]);
+    builder.attribute("COLOR_0", opaque);
+    assert_eq!(mesh(&builder).colours, [Vec4::new(0.5, 0.5, 0.5, 1.0); 3]);
+}

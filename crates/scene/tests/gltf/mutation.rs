@@ -1,0 +1,158 @@
+//! Damaged files: whatever happens to the bytes or the JSON, loading ends with a scene or an error.
+
+use std::{fs, path::Path};
+
+use serde_json::{Value, json};
+use sheer_scene::load::read_gltf;
+
+use crate::{assets, builder::glb};
+
+/// Files whose first buffer is put into the container, so that it is damaged too.
+const SEEDS: &[&str] = &[
+    "AnimatedMorphCube-Quantized/AnimatedMorphCube.gltf",
+    "MeshPrimitiveModes/MeshPrimitiveModes.gltf",
+    "MorphPrimitivesTest-Draco/MorphPrimitivesTest.gltf",
+    "SimpleInstancing/SimpleInstancing.gltf",
+    "SimpleSparseAccessor/SimpleSparseAccessor.gltf",
+    "TextureVariants-Embedded-KTX/TextureVariants-Embedded-KTX.gltf",
+    "TriangleWithoutIndices/TriangleWithoutIndices.gltf",
+    "VertexColorTest/VertexColorTest.gltf",
+    "pirate-meshopt/pirate.glb",
+    "Fox/Fox.gltf",
+];
+/// Damaged versions of each, of each of the three kinds.
+const ROUNDS: u32 = 100;
+
+/// PCG-XSH-RR (O'Neill 2014), seeded.
+struct Chance(u64);
+
+impl Chance {
+    fn next(&mut self) -> u32 {
+        let old = self.0;
+        self.0 = old.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        ((((old >> 18) ^ old) >> 27) as u32).rotate_right((old >> 59) as u32)
+    }
+
+    fn below(&mut self, bound: usize) -> usize {
+        (u64::from(self.next()) * bound as u64 >> 32) as usize
+    }
+}
+
+/// The JSON and first buffer of a file.
+fn seed(path: &Path) -> (Value, Vec<u8>) {
+    let bytes = fs::read(path).unwrap();
+    if bytes.starts_with(b"glTF") {
+        let length = u32::from_le_bytes(bytes[12..16].try_into().unwrap()) as usize;
+        return (serde_json::from_slice(&bytes[20..20 + length]).unwrap(), bytes[28 + length..].to_vec());
+    }
+    let json: Value = serde_json::from_slice(&bytes).unwrap();
+    let uri = json["buffers"][0]["uri"].as_str().unwrap();
+    let folder = path.parent().unwrap();
+    let binary = if uri.starts_with("data:") { None } else { Some(fs::read(folder.join(uri)).unwrap()) };
+    (json, binary.unwrap_or_default())
+}
+
+fn container(json: &Value, binary: &[u8]) -> Vec<u8> {
+    // An embedded buffer stays where it is.
+    if binary.is_empty() { serde_json::to_vec(json).unwrap() } else { glb(json.clone(), binary) }
+}
+
+/// All places in a JSON value, as pointers.
+fn pointers(value: &Value, at: &str, all: &mut Vec<String>) {
+    match value {
+        Value::Array(list) => {
+            list.iter().enumerate().for_each(|(key, value)| pointers(value, &format!("{at}/{key}"), all))
+        }
+        Value::Object(map) => {
+            map.iter().for_each(|(key, value)| pointers(value, &format!("{at}/{key}"), all))
+        }
+        _ => {}
+    }
+    all.push(at.to_owned());
+}
+
+/// Replaces a value by an extreme one, or by one from elsewhere in the file.
+fn swap_value(json: &mut Value, chance: &mut Chance) {
+    let mut all = Vec::new();
+    pointers(json, "", &mut all);
+    let target = all[chance.below(all.len())].clone();
+    let extremes = [
+        json!(0),
+        json!(1),
+        json!(-1),
+        json!(3),
+        json!(255),
+        json!(65536),
+        json!(4_294_967_295_u32),
+        json!(u64::MAX),
+        json!(1_000_000_000),
+        json!(1e38),
+        json!(-1e-30),
+        json!(0.5),
+        json!(""),
+        json!("SCALAR"),
+        json!("../x"),
+        json!("data:,"),
+        json!(null),
+        json!([]),
+        json!({}),
+        json!(true),
+    ];
+    let value = if chance.below(4) == 0 {
+        json.pointer(&all[chance.below(all.len())]).cloned().unwrap_or_default()
+    } else {
+        extremes[chance.below(extremes.len())].clone()
+    };
+    if let Some(place) = json.pointer_mut(&target) {
+        *place = value;
+    }
+}
+
+#[test]
+fn no_damage_makes_the_loader_panic() {
+    let mut chance = Chance(2026);
+    let (mut loaded, mut refused) = (0, 0);
+    for name in SEEDS {
+        let path = assets::path(name);
+        let (json, binary) = seed(&path);
+        let whole = container(&json, &binary);
+        // What is not damaged loads.
+        read_gltf(&whole, &path).unwrap_or_else(|error| panic!("{error}"));
+
+        let mut try_to_load = |bytes: &[u8]| match read_gltf(bytes, &path) {
+            Ok(_) => loaded += 1,
+            Err(_) => refused += 1,
+        };
+        for _ in 0..ROUNDS {
+            let mut flipped = whole.clone();
+            for _ in 0..=chance.below(4) {
+                let at = chance.below(flipped.len());
+                flipped[at] ^= 1 << chance.below(8);
+            }
+            try_to_load(&flipped);
+
+            // Damage to the binary part alone is found late, deep in the decoders.
+            let mut spoiled = binary.clone();
+            for _ in 0..=chance.below(4) {
+                let end = spoiled.len();
+                if end > 0 {
+                    spoiled[chance.below(end)] = chance.next() as u8;
+                }
+            }
+            try_to_load(&container(&json, &spoiled));
+
+            try_to_load(&whole[..chance.below(whole.len())]);
+
+            let mut swapped = json.clone();
+            for _ in 0..=chance.below(3) {
+                swap_value(&mut swapped, &mut chance);
+            }
+            // The container stays whole, so that the JSON is looked at.
+            if swapped.is_object() {
+                try_to_load(&container(&swapped, &binary));
+            }
+        }
+    }
+    // Both outcomes have been exercised thousands of times in all.
+    assert!(loaded > 300 && refused > 1000 && loaded + refused > 2000, "{loaded} loaded, {refused} refused");
+}
