@@ -141,21 +141,36 @@ impl Slabs {
     }
 
     /// Distances at which the ray enters the children's boxes, and the lanes of the boxes that it passes
-    /// within `[t_min, t_max]`. A NaN, from a ray in the plane of a side, loses against the other operand
-    /// of `max` and `min`: it constrains nothing.
+    /// within `[t_min, t_max]`. A NaN, from a ray in the plane of a side, can only loosen the bounds: it loses
+    /// against the second operand of `max` and `min`, and so does a pair of axes that gives one.
     #[inline(always)]
     fn enter<L: Lanes>(&self, lanes: L, node: &Node, t_max: f32) -> (L::F, u32) {
-        let mut near = lanes.splat(self.t_min);
-        let mut far = lanes.splat(t_max);
-        for axis in 0..3 {
-            let planes = lanes.load(&node.bounds[self.near[axis]]);
-            let from_origin = lanes.sub(planes, lanes.splat(self.origin_near[axis]));
-            near = lanes.max(lanes.mul(from_origin, lanes.splat(self.inverse_near[axis])), near);
-            let planes = lanes.load(&node.bounds[self.far[axis]]);
-            let from_origin = lanes.sub(planes, lanes.splat(self.origin_far[axis]));
-            far = lanes.min(lanes.mul(from_origin, lanes.splat(self.inverse_far[axis])), far);
-        }
+        let near = [
+            self.enter_slab(lanes, node, 0),
+            self.enter_slab(lanes, node, 1),
+            self.enter_slab(lanes, node, 2),
+        ];
+        let far = [
+            self.leave_slab(lanes, node, 0),
+            self.leave_slab(lanes, node, 1),
+            self.leave_slab(lanes, node, 2),
+        ];
+        // In pairs: the next node waits for this chain.
+        let near = lanes.max(lanes.max(near[2], near[1]), lanes.max(near[0], lanes.splat(self.t_min)));
+        let far = lanes.min(lanes.min(far[2], far[1]), lanes.min(far[0], lanes.splat(t_max)));
         (near, lanes.le(near, far))
+    }
+
+    #[inline(always)]
+    fn enter_slab<L: Lanes>(&self, lanes: L, node: &Node, axis: usize) -> L::F {
+        let from_origin = translate(lanes, &node.bounds[self.near[axis]], self.origin_near[axis]);
+        lanes.mul(from_origin, lanes.splat(self.inverse_near[axis]))
+    }
+
+    #[inline(always)]
+    fn leave_slab<L: Lanes>(&self, lanes: L, node: &Node, axis: usize) -> L::F {
+        let from_origin = translate(lanes, &node.bounds[self.far[axis]], self.origin_far[axis]);
+        lanes.mul(from_origin, lanes.splat(self.inverse_far[axis]))
     }
 }
 
