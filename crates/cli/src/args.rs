@@ -9,6 +9,8 @@ use sheer_image::unit_from_u8;
 use sheer_render::{Antialiasing, Background, Method};
 use sheer_scene::CameraChoice;
 
+use crate::output;
+
 /// Order-independent transparency: render, compare, measure.
 #[derive(Debug, Parser)]
 #[command(
@@ -31,6 +33,10 @@ pub(crate) enum Command {
     Methods(ListArguments),
     /// Render a picture or a sequence of frames.
     Render(RenderArguments),
+    /// Compare methods with the exact answer: a table, a page and figures for programs.
+    Compare(CompareArguments),
+    /// Measure what methods cost.
+    Bench(BenchArguments),
 }
 
 #[derive(Args, Debug)]
@@ -60,6 +66,44 @@ pub(crate) struct RenderArguments {
     #[command(flatten)]
     pub(crate) machine: MachineArguments,
 }
+
+#[derive(Args, Debug)]
+pub(crate) struct CompareArguments {
+    #[command(flatten)]
+    pub(crate) scene: SceneArguments,
+    /// Transparency method, NAME or NAME:KEY=VALUE,…; give as many as you like. baseline always takes part as the reference.
+    #[arg(short, long = "method", value_name = "METHOD", default_values = STD_METHODS)]
+    pub(crate) methods: Vec<Method>,
+    /// none, accumulate or taa; give as many as you like.
+    #[arg(short = 'a', long = "aa", value_name = "AA", default_value = "taa")]
+    pub(crate) antialiasings: Vec<Antialiasing>,
+    /// Folder for index.html, report.json and the pictures.
+    #[arg(short, long, value_name = "DIR", default_value = output::FOLDER)]
+    pub(crate) output: PathBuf,
+    #[command(flatten)]
+    pub(crate) frames: FrameArguments,
+    #[command(flatten)]
+    pub(crate) machine: MachineArguments,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct BenchArguments {
+    #[command(flatten)]
+    pub(crate) scene: SceneArguments,
+    /// Transparency method, NAME or NAME:KEY=VALUE,…; give as many as you like. Ratios are against the first.
+    #[arg(short, long = "method", value_name = "METHOD", default_values = STD_METHODS)]
+    pub(crate) methods: Vec<Method>,
+    /// File for the figures, - for stdout in place of the table.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) json: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) frames: FrameArguments,
+    #[command(flatten)]
+    pub(crate) machine: MachineArguments,
+}
+
+/// The methods of the STD paper, the exact one first.
+const STD_METHODS: [&str; 3] = ["baseline", "roulette", "std"];
 
 /// What is shown.
 #[derive(Args, Debug)]

@@ -64,9 +64,14 @@ impl<'a> TextOutput<'a> {
         Ok(Self(path))
     }
 
+    /// Whether the text replaces what would be printed otherwise.
+    pub(crate) fn is_stdout(&self) -> bool {
+        self.0 == Path::new("-")
+    }
+
     /// Writes it.
     pub(crate) fn write(&self, text: &str) -> anyhow::Result<()> {
-        if self.0 == Path::new("-") {
+        if self.is_stdout() {
             return print(text);
         }
         let _interruptions_wait = writing();

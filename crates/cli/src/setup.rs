@@ -1,17 +1,18 @@
 //! From arguments to a stage that can be rendered.
 
-use std::{path::Path, sync::Arc};
+use std::{env, fs, path::Path, sync::Arc};
 
 use anyhow::Context as _;
 use rayon::ThreadPoolBuilder;
 use sheer_core::hash::fnv1a;
 use sheer_image::Metadata;
 use sheer_render::{Antialiasing, Method, RenderError, Settings, Stage};
-use sheer_scene::Scene;
+use sheer_scene::{CameraChoice, Scene};
 
 use crate::{
     COMMIT, VERSION,
     args::{FrameArguments, MachineArguments, SceneArguments, Size},
+    report::json::Run,
     talk::Talk,
 };
 
@@ -82,7 +83,7 @@ pub(crate) fn file_name_from(text: &str) -> String {
     if name.is_empty() { "scene".to_owned() } else { name }
 }
 
-/// FNV-1a of everything in a scene that has a say in its pictures.
+/// FNV-1a of a scene's description, vertices and texels: another scene has another hash.
 fn hash(scene: &Scene) -> String {
     let parts = scene.parts();
     let described = format!(
@@ -119,6 +120,55 @@ pub(crate) fn metadata(
         .with("seed", settings.seed)
         .with("commit", COMMIT)
         .with("version", VERSION)
+}
+
+/// How figures came about, for reports.
+pub(crate) fn describe(
+    scene: &SceneArguments,
+    machine: MachineArguments,
+    opened: &Opened,
+    settings: &Settings,
+    frames: u32,
+) -> Run {
+    let camera = match &scene.camera {
+        None | Some(CameraChoice::Default) => "default",
+        Some(CameraChoice::Orbit) => "orbit",
+        Some(CameraChoice::Named(name)) => name,
+    };
+    Run {
+        scene: scene.text.clone(),
+        scene_hash: opened.hash.clone(),
+        camera: camera.to_owned(),
+        alpha: scene.alpha,
+        size: settings.size,
+        frames,
+        first_frame: settings.first_frame,
+        time_secs: settings.start_secs,
+        backend: machine.backend.word(),
+        adapter: processor(),
+        seed: settings.seed,
+        version: VERSION,
+        commit: COMMIT,
+        threads: opened.stage.threads(),
+    }
+}
+
+/// The processor's name where the system tells it, its architecture otherwise.
+fn processor() -> String {
+    let described = fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let named = described.lines().find_map(|line| line.strip_prefix("model name")?.split_once(':'));
+    named.map_or_else(|| env::consts::ARCH.to_owned(), |(_, name)| name.trim().to_owned())
+}
+
+/// Each thing once, in the order in which they came first.
+pub(crate) fn without_repeats<T: Clone + PartialEq>(things: &[T]) -> Vec<T> {
+    let mut once: Vec<T> = Vec::new();
+    for thing in things {
+        if !once.contains(thing) {
+            once.push(thing.clone());
+        }
+    }
+    once
 }
 
 #[cfg(test)]

@@ -1,0 +1,145 @@
+//! Machine-readable reports. Names and types are the contract of `report.json`, `bench --json` and `verify --json`.
+
+use serde::Serialize;
+
+/// How figures came about, in front of every report.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct Run {
+    /// As it was asked for.
+    pub(crate) scene: String,
+    /// Identifies the scene's contents.
+    pub(crate) scene_hash: String,
+    /// The asked-for camera, or `default`.
+    pub(crate) camera: String,
+    /// `--alpha`.
+    pub(crate) alpha: Option<f32>,
+    /// Width and height, pixels.
+    pub(crate) size: [u32; 2],
+    /// How many.
+    pub(crate) frames: u32,
+    /// Index of the first frame.
+    pub(crate) first_frame: u32,
+    /// Time of frame 0, seconds.
+    pub(crate) time_secs: f32,
+    /// What rendered.
+    pub(crate) backend: &'static str,
+    /// The processor.
+    pub(crate) adapter: String,
+    /// Seed of the dithering.
+    pub(crate) seed: u32,
+    /// Of this program.
+    pub(crate) version: &'static str,
+    /// Of this program, or `unknown`.
+    pub(crate) commit: &'static str,
+    /// How many rendered.
+    pub(crate) threads: usize,
+}
+
+/// `report.json` of `sheer compare`.
+#[derive(Debug, Serialize)]
+pub(crate) struct Comparison {
+    #[serde(flatten)]
+    pub(crate) run: Run,
+    /// The method that the others are compared with.
+    pub(crate) reference: String,
+    /// One for each method under each anti-aliasing, the reference among them.
+    pub(crate) rows: Vec<ComparisonRow>,
+}
+
+/// A method in comparison with the reference. Qualities are means over the last half of the frames, when the history has settled.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct ComparisonRow {
+    pub(crate) method: String,
+    pub(crate) aa: String,
+    /// Milliseconds a frame with acceleration structure builds, without temporal anti-aliasing.
+    pub(crate) ms_median: f64,
+    pub(crate) ms_min: f64,
+    pub(crate) ms_max: f64,
+    /// Of the displayed image; 1: equal.
+    pub(crate) ssim: f64,
+    /// Of the displayed image; null where it equals the reference.
+    pub(crate) psnr_db: Option<f64>,
+    /// Of the displayed image; 0: equal.
+    pub(crate) flip: Option<f64>,
+    /// Standard deviation of the displayed error over time.
+    pub(crate) flicker: f64,
+    /// Mean error in linear light, with its sign.
+    pub(crate) bias: f64,
+    /// Root mean square error in linear light.
+    pub(crate) rms: f64,
+    /// Fragments shaded for a pixel of a frame.
+    pub(crate) shaded_per_pixel: f64,
+    /// Hits tested or composited for a pixel of a frame.
+    pub(crate) hits_per_pixel: f64,
+}
+
+/// `sheer bench --json`.
+#[derive(Debug, Serialize)]
+pub(crate) struct Benchmark {
+    #[serde(flatten)]
+    pub(crate) run: Run,
+    pub(crate) rows: Vec<BenchmarkRow>,
+}
+
+/// What a method costs.
+#[derive(Debug, Serialize)]
+pub(crate) struct BenchmarkRow {
+    pub(crate) method: String,
+    /// Milliseconds of each frame, with acceleration structure builds.
+    pub(crate) ms: Vec<f64>,
+    pub(crate) ms_median: f64,
+    pub(crate) ms_min: f64,
+    pub(crate) ms_max: f64,
+    /// Half of the frames lie within so many milliseconds of one another: third less first quartile.
+    pub(crate) ms_spread: f64,
+    /// Median over that of the first row.
+    pub(crate) ratio: f64,
+    /// Animation and acceleration structure, part of `ms`.
+    pub(crate) build_ms_median: f64,
+    /// Camera and shadow rays a frame, mean.
+    pub(crate) rays: f64,
+    /// Fragments shaded a frame, mean.
+    pub(crate) shaded: f64,
+    /// Million rays a second of tracing and shading.
+    pub(crate) mray_per_s: f64,
+}
+
+/// `sheer verify --json`.
+#[derive(Debug, Serialize)]
+pub(crate) struct Verification {
+    pub(crate) version: &'static str,
+    pub(crate) commit: &'static str,
+    pub(crate) checks: Vec<Check>,
+}
+
+/// One figure of a paper or property of a method.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct Check {
+    pub(crate) name: String,
+    /// Paper and place in it, or what else demands it.
+    pub(crate) source: String,
+    /// What theory gives.
+    pub(crate) closed_form: Option<Value>,
+    /// What the paper prints.
+    pub(crate) paper: Option<Value>,
+    /// What this program gives.
+    pub(crate) measured: Option<Value>,
+    /// How many samples that rests on; null where it is counted rather than sampled.
+    pub(crate) samples: Option<u64>,
+    /// Standard errors between closed form and measurement; null where nothing is random.
+    pub(crate) z: Option<f64>,
+    pub(crate) pass: bool,
+}
+
+/// A number or a colour.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
+pub(crate) enum Value {
+    Number(f64),
+    Colour([f64; 3]),
+}
+
+/// A report as text with a final line break.
+pub(crate) fn text(report: &impl Serialize) -> anyhow::Result<String> {
+    Ok(serde_json::to_string_pretty(report)? + "\n")
+}
