@@ -40,7 +40,11 @@ impl Stage {
         let start = Instant::now();
         let (animator, bvh) = pool.install(|| {
             let animator = Animator::new(scene, camera);
-            let bvh = Bvh::build(animator.frame().triangles());
+            let frame = animator.frame();
+            let mut bvh = Bvh::build(&frame.triangles()[..frame.static_count()]);
+            if frame.static_count() < frame.triangles().len() {
+                bvh.rebuild_after(frame.static_count(), frame.triangles());
+            }
             (animator, bvh)
         });
         Ok(Self { animator, bvh, pool, build_ms: start.elapsed().as_secs_f64() * 1e3, lift })
