@@ -16,11 +16,6 @@ impl Chance {
         Self { random: Pcg32::new(u64::from(seed), fnv1a(purpose.bytes())) }
     }
 
-    /// 32 random bits, as the seed of something smaller.
-    pub(super) fn bits(&mut self) -> u32 {
-        self.random.next_u32()
-    }
-
     /// 0 to 1.
     pub(super) fn unit(&mut self) -> f32 {
         self.random.next_f32()

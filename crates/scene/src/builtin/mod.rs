@@ -215,7 +215,8 @@ mod tests {
         let colours = parts.materials.iter().flat_map(|material| material.base_colour.to_array());
         let particles = parts.particles.iter().flat_map(|system| &system.particles);
         let motion = particles.flat_map(|particle| [particle.origin.x, particle.velocity.y, particle.alpha]);
-        let numbers = meshes.chain(colours).chain(motion).flat_map(f32::to_le_bytes);
+        let places = parts.nodes.iter().flat_map(|node| node.transform.to_affine().to_cols_array());
+        let numbers = meshes.chain(colours).chain(motion).chain(places).flat_map(f32::to_le_bytes);
         let texels =
             parts.textures.iter().flat_map(|texture| texture.image.as_slice().iter().flatten().copied());
         sheer_core::hash::fnv1a(numbers.chain(texels))

@@ -285,18 +285,18 @@ fn clay(noise: Noise, uv: Vec2) -> Texel {
 
 fn cobbles(noise: Noise, uv: Vec2) -> Texel {
     const COUNT: i32 = 20;
-    let warp = Vec2::new(noise.fractal(uv, IVec2::splat(5), 2), noise.fractal(uv + 0.37, IVec2::splat(5), 2))
-        * 0.012;
-    let cell = Noise { seed: noise.seed + 31 }.cells((uv + warp) * COUNT as f32, IVec2::splat(COUNT), 0.42);
+    let warp =
+        Vec2::new(noise.fractal(uv, IVec2::splat(5), 2), noise.fractal(uv + 0.37, IVec2::splat(5), 2)) * 0.02;
+    let cell = Noise { seed: noise.seed + 31 }.cells((uv + warp) * COUNT as f32, IVec2::splat(COUNT), 0.5);
     let stone = smoothstep(0.03, 0.22, cell.border);
     let dome = (1.0 - (cell.nearest * 1.35).powi(2)).max(0.0);
     let grain = Noise { seed: noise.seed + 32 }.fractal(uv, IVec2::splat(80), 2);
     let dirt = Noise { seed: noise.seed + 33 }.fractal(uv, IVec2::splat(4), 3);
     let tones = [
-        Vec3::new(0.42, 0.39, 0.36),
-        Vec3::new(0.33, 0.32, 0.32),
-        Vec3::new(0.46, 0.41, 0.34),
-        Vec3::new(0.38, 0.34, 0.31),
+        Vec3::new(0.42, 0.37, 0.31),
+        Vec3::new(0.31, 0.29, 0.275),
+        Vec3::new(0.47, 0.40, 0.31),
+        Vec3::new(0.38, 0.32, 0.27),
     ];
     let tone = tones[(cell.id * 3.999) as usize] * (0.8 + 0.4 * (cell.id * 7.0).fract());
     let sand = Vec3::new(0.20, 0.17, 0.13) * (1.0 + 0.2 * grain);

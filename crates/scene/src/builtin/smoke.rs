@@ -68,5 +68,5 @@ pub(super) fn material(stage: &mut Stage, seed: u32) -> u32 {
 /// A light grey that varies a little, now warmer, now cooler.
 pub(super) fn tint(chance: &mut Chance) -> Vec3 {
     let warmth = chance.about(0.0, 0.03);
-    Vec3::new(0.80 + warmth, 0.79, 0.78 - warmth) * chance.between(0.88, 1.06)
+    Vec3::new(0.70 + warmth, 0.70, 0.70 - warmth) * chance.between(0.86, 1.06)
 }

@@ -2,6 +2,8 @@
 //!
 //! In the middle of the cloud a ray meets tens of layers, which is where rendering all of them becomes slow.
 
+use std::f32::consts::TAU;
+
 use glam::Vec3;
 
 use super::{
@@ -34,9 +36,9 @@ pub(super) const PARAMETERS: &[ParameterInfo] = &[
     SEED,
 ];
 
-/// The middle of the bank of smoke, and its half axes.
-const CLOUD: Vec3 = Vec3::new(3.6, 1.75, 0.2);
-const CLOUD_RADII: Vec3 = Vec3::new(3.9, 1.45, 2.5);
+/// The middle of the bank of smoke, and from there to where it dissolves; the other way lies the fire.
+const CLOUD: Vec3 = Vec3::new(3.2, 1.75, 0.0);
+const CLOUD_REACH: Vec3 = Vec3::new(-4.2, 0.35, 0.8);
 /// The cloud is never twice the same within this time.
 const LOOP_SECS: f32 = 18.0;
 /// The wind blows from the fire bowl towards the west.
@@ -73,38 +75,61 @@ pub(super) fn build(values: &Values<'_>) -> Result<Scene, SceneError> {
             ],
         },
     });
-    stage.camera(Camera::fixed("static", 0.80, Vec3::new(-9.2, 1.72, 13.2), Vec3::new(0.9, 3.35, -5.0)));
+    stage.camera(Camera::fixed("static", 0.80, Vec3::new(3.0, 1.72, 15.0), Vec3::new(-1.9, 3.5, -5.0)));
     stage.finish()
+}
+
+/// Puffs that roll along together.
+#[derive(Clone, Copy, Default)]
+struct Billow {
+    /// Halfway through its life.
+    centre: Vec3,
+    size: f32,
+    birth_secs: f32,
+    drift: Vec3,
+    /// Factor on the opacity of its puffs.
+    thickness: f32,
+}
+
+const BILLOW_SIZE: u32 = 50;
+
+impl Billow {
+    fn new(chance: &mut Chance) -> Self {
+        // Along the way from the fire: the cloud widens, rises and thins; at its rim it is ragged.
+        let way = chance.unit();
+        let reach = chance.unit().powf(0.55);
+        let radius = 0.75 + 1.75 * (std::f32::consts::PI * (0.12 + 0.80 * way)).sin();
+        let spine = CLOUD + CLOUD_REACH * (2.0 * way - 1.0) + Vec3::Y * 0.35 * (TAU * 1.6 * way).sin();
+        let out = chance.direction() * reach * radius;
+        Self {
+            centre: spine + out * Vec3::new(0.8, 0.82, 1.15),
+            size: chance.between(0.40, 0.62) * radius.sqrt(),
+            birth_secs: chance.between(0.0, LOOP_SECS),
+            drift: WIND * chance.between(0.7, 1.3) + chance.direction() * 0.03,
+            thickness: chance.between(0.7, 1.3) * (1.2 - 0.45 * reach) * (1.15 - 0.3 * way),
+        }
+    }
 }
 
 /// Billows that are born, roll along with the wind and dissolve, and a stream that feeds them from the fire bowl.
 fn cloud(count: u32, density: f32, seed: u32) -> Vec<Particle> {
     let mut chance = Chance::new(seed, "cloud");
     let stream_count = count / 6;
-    let billow_size = 60;
     let mut particles = Vec::with_capacity(count as usize);
-    let mut billow = (Vec3::ZERO, 0.0, 0.0, Vec3::ZERO);
+    let mut billow = Billow::default();
     for index in 0..count - stream_count {
-        if index % billow_size == 0 {
-            // Denser towards the middle and the bottom, as smoke that has cooled lies.
-            let mut place = chance.direction() * chance.unit().powf(0.45);
-            place.y *= if place.y > 0.0 { 0.9 } else { 0.8 };
-            let drift = WIND * chance.between(0.7, 1.3) + chance.direction() * 0.03;
-            billow = (
-                CLOUD + place * CLOUD_RADII,
-                chance.between(0.45, 0.85),
-                chance.between(0.0, LOOP_SECS),
-                drift,
-            );
+        if index % BILLOW_SIZE == 0 {
+            billow = Billow::new(&mut chance);
         }
-        let (centre, size, birth_secs, drift) = billow;
-        let shell = chance.direction() * chance.unit().powf(0.4) * size;
-        let mut middle = centre + shell * Vec3::new(1.15, 0.8, 1.0);
-        middle.y = middle.y.max(0.30);
-        let rise = Vec3::Y * 0.02;
-        let velocity = drift + shell * 0.025 + rise;
-        let wisp = chance.happens(0.12);
-        let half_size = if wisp { chance.between(0.55, 0.8) } else { chance.between(0.24, 0.46) };
+        let Billow { centre, size, birth_secs, drift, thickness } = billow;
+        let shell = chance.direction() * chance.unit().powf(0.42) * size;
+        let mut middle = centre + shell * Vec3::new(1.2, 0.8, 1.0);
+        // Smoke spreads over the ground where it sinks to it.
+        middle.y = if middle.y < 0.35 { 0.35 + 0.3 * (0.35 - middle.y).min(1.0) } else { middle.y };
+        let velocity = drift + shell * 0.02;
+        let wisp = chance.happens(0.14);
+        let half_size = if wisp { chance.between(0.6, 0.95) } else { chance.between(0.28, 0.50) };
+        let alpha = if wisp { chance.between(0.05, 0.12) } else { chance.between(0.10, 0.34) };
         particles.push(Particle {
             birth_secs: birth_secs + chance.about(0.0, 1.2),
             lifetime_secs: LOOP_SECS,
@@ -112,17 +137,16 @@ fn cloud(count: u32, density: f32, seed: u32) -> Vec<Particle> {
             velocity,
             acceleration: Vec3::ZERO,
             half_size: [half_size * 0.7, half_size * 1.3],
-            rotation_rad: chance.between(0.0, std::f32::consts::TAU),
+            rotation_rad: chance.between(0.0, TAU),
             spin_rad_per_sec: chance.about(0.0, 0.10),
-            alpha: (density * if wisp { chance.between(0.08, 0.14) } else { chance.between(0.12, 0.34) })
-                .min(1.0),
+            alpha: (density * thickness * alpha).min(1.0),
             tint: smoke::tint(&mut chance),
             tile: chance.below(ATLAS[0] * ATLAS[1]),
         });
     }
     for _ in 0..stream_count {
         let lifetime_secs = 9.0;
-        let aim = CLOUD + Vec3::new(1.9, 0.2, -0.4) + chance.gaussian() * Vec3::new(0.9, 0.35, 0.5);
+        let aim = CLOUD + Vec3::new(2.6, -0.1, -0.6) + chance.gaussian() * Vec3::new(0.9, 0.35, 0.5);
         let origin = square::FIRE_BOWL + Vec3::Y * 1.0 + chance.gaussian() * Vec3::new(0.12, 0.03, 0.12);
         // It shoots up and bends over: the acceleration takes back the rise by the end of its life.
         let lift = Vec3::Y * chance.between(0.45, 0.62);
@@ -135,7 +159,7 @@ fn cloud(count: u32, density: f32, seed: u32) -> Vec<Particle> {
             velocity,
             acceleration,
             half_size: [chance.between(0.07, 0.12), chance.between(0.45, 0.75)],
-            rotation_rad: chance.between(0.0, std::f32::consts::TAU),
+            rotation_rad: chance.between(0.0, TAU),
             spin_rad_per_sec: chance.about(0.0, 0.35),
             alpha: (density * chance.between(0.12, 0.30)).min(1.0),
             tint: smoke::tint(&mut chance) * 0.9,
@@ -192,7 +216,8 @@ mod tests {
         let lantern = square::SHADOW_LAMP + Vec3::Y * 4.1;
         let travel = (lantern.z - CLOUD.z) / sun.z;
         let shadow = lantern - sun * travel;
-        let offset = ((shadow - CLOUD) / CLOUD_RADII).length();
-        assert!(travel > 0.0 && offset < 1.0, "shadow at {shadow}, {offset}");
+        let along = (shadow - CLOUD).dot(CLOUD_REACH) / CLOUD_REACH.length_squared();
+        let offset = (shadow - CLOUD - CLOUD_REACH * along).length();
+        assert!(travel > 0.0 && along.abs() < 0.8 && offset < 1.2, "shadow at {shadow}, {along}, {offset}");
     }
 }

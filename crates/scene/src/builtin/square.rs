@@ -22,7 +22,7 @@ use crate::environment::{Environment, Lobe};
 /// Where the fountain stands.
 pub(super) const FOUNTAIN: Vec3 = Vec3::new(-5.5, 0.0, -4.5);
 /// The lamp post whose shadow falls into the smoke.
-pub(super) const SHADOW_LAMP: Vec3 = Vec3::new(0.9, 0.0, 3.4);
+pub(super) const SHADOW_LAMP: Vec3 = Vec3::new(-0.2, 0.0, 2.6);
 /// The fire bowl that the smoke comes from.
 pub(super) const FIRE_BOWL: Vec3 = Vec3::new(8.2, 0.0, -1.6);
 /// Half the width of the paved square, west to east.
@@ -36,14 +36,14 @@ const KERB: f32 = 0.12;
 
 /// Towards the sun: late afternoon, in the south-west.
 pub(super) fn towards_sun() -> Vec3 {
-    Vec3::new(-0.74, 0.52, 0.46).normalize()
+    Vec3::new(-0.80, 0.45, 0.41).normalize()
 }
 
 /// A clear sky with the glow around a low sun.
 pub(super) fn sky() -> Environment {
     Environment {
-        zenith: Vec3::new(0.16, 0.32, 0.72),
-        horizon: Vec3::new(0.66, 0.70, 0.74),
+        zenith: Vec3::new(0.10, 0.27, 0.70),
+        horizon: Vec3::new(0.70, 0.80, 0.88),
         ground: Vec3::new(0.20, 0.17, 0.14),
         lobes: vec![
             Lobe { direction: towards_sun(), radiance: Vec3::new(1.5, 1.05, 0.6), sharpness: 9.0 },
@@ -55,7 +55,7 @@ pub(super) fn sky() -> Environment {
 /// Builds the square without smoke: everything opaque or cut out.
 pub(super) fn raise(stage: &mut Stage, seed: u32) -> Palette {
     let palette = Palette::new(stage, seed);
-    stage.sun(towards_sun(), Vec3::new(4.3, 3.55, 2.55));
+    stage.sun(towards_sun(), Vec3::new(4.9, 3.75, 2.4));
     put_ground(stage, &palette, seed);
     put_houses(stage, &palette, seed);
     put_tower(stage, &palette, seed);
@@ -90,6 +90,25 @@ fn put_ground(stage: &mut Stage, palette: &Palette, seed: u32) {
             );
         }
     }
+    // Bands of slabs divide the cobbles into fields, up to the ring around the fountain.
+    let bands = ground.paint(palette.slabs, Vec3::new(1.0, 0.96, 0.90));
+    for index in -3..=3 {
+        let (line, half, lift) = (5.0 * index as f32 - 0.5, 0.2, 0.008);
+        for step in -16..16 {
+            let (from, to) = (step as f32, step as f32 + 1.0);
+            let east_west = Vec3::new(from, lift, line + 1.0 + half);
+            let north_south = Vec3::new(line - half, lift + 0.001, to + 1.0);
+            for (corner, right, up) in
+                [(east_west, Vec3::X, -Vec3::Z * 2.0 * half), (north_south, Vec3::X * 2.0 * half, -Vec3::Z)]
+            {
+                let middle = corner + 0.5 * (right + up);
+                let paved = middle.x.abs() < HALF_WIDTH - PAVEMENT && middle.z > NORTH + PAVEMENT;
+                if paved && middle.with_y(0.0).distance(FOUNTAIN) > 5.3 {
+                    bands.panel(corner, right, up);
+                }
+            }
+        }
+    }
     // A ring of slabs around the fountain.
     ground.paint(palette.slabs, Vec3::new(1.05, 1.0, 0.93)).lathe(
         FOUNTAIN,
@@ -107,7 +126,7 @@ fn put_ground(stage: &mut Stage, palette: &Palette, seed: u32) {
     lay([-HALF_WIDTH, -6.2], [NORTH, NORTH + PAVEMENT]);
     lay([-1.8, HALF_WIDTH], [NORTH, NORTH + PAVEMENT]);
     lay([HALF_WIDTH - PAVEMENT, HALF_WIDTH], [NORTH + PAVEMENT, SOUTH - PAVEMENT]);
-    lay([-HALF_WIDTH, -HALF_WIDTH + PAVEMENT], [NORTH + PAVEMENT, 4.0]);
+    lay([-HALF_WIDTH, -HALF_WIDTH + PAVEMENT], [NORTH + PAVEMENT, -1.0]);
     lay([-HALF_WIDTH, HALF_WIDTH], [SOUTH - PAVEMENT, SOUTH]);
     pavement.shade(|p, n| {
         let wall = (HALF_WIDTH - p.x.abs()).min(p.z - NORTH).min(SOUTH - p.z);
@@ -195,12 +214,12 @@ fn put_houses(stage: &mut Stage, palette: &Palette, seed: u32) {
         (Vec3::new(-19.0, 0.0, NORTH), 0.0, &[6.2, 6.6]),
         (Vec3::new(-1.8, 0.0, NORTH), 0.0, &[7.0, 5.8, 7.4]),
         (Vec3::new(HALF_WIDTH, 0.0, NORTH + 0.4), -FRAC_PI_2, &[6.6, 7.6, 6.0, 7.2, 6.4]),
-        (Vec3::new(-HALF_WIDTH, 0.0, 4.0), FRAC_PI_2, &[6.4, 6.2, 6.6]),
+        (Vec3::new(-HALF_WIDTH, 0.0, -1.0), FRAC_PI_2, &[7.8, 7.2]),
         (Vec3::new(HALF_WIDTH - 1.0, 0.0, SOUTH), PI, &[7.0, 6.2, 7.4, 6.4]),
         // The street to the north, and the house that closes it.
         (Vec3::new(-6.2, 0.0, NORTH - 9.6), FRAC_PI_2, &[6.4]),
         (Vec3::new(-1.8, 0.0, NORTH - 16.2), -FRAC_PI_2, &[6.4]),
-        (Vec3::new(-9.0, 0.0, -36.0), 0.0, &[9.0]),
+        (Vec3::new(-10.4, 0.0, -36.0), 0.0, &[9.0]),
     ];
     for (start, turn_rad, widths) in rows {
         let rotation = Quat::from_rotation_y(turn_rad);
@@ -324,7 +343,7 @@ fn put_tower(stage: &mut Stage, palette: &Palette, seed: u32) {
         let plane = Slope { foot, run, up: Vec3::new(-side * 5.0, 5.6, 0.0) };
         plane.cover(&mut model, palette, &mut chance, Covering::Plain, linear_from_hex(0x8a4630), true);
     }
-    stage.put_at("church", model, at(8.4, NORTH - 15.5, 0.0));
+    stage.put_at("church", model, at(1.7, NORTH - 19.6, 0.0));
 }
 
 fn put_trees(stage: &mut Stage, palette: &Palette, seed: u32) {
@@ -335,9 +354,11 @@ fn put_trees(stage: &mut Stage, palette: &Palette, seed: u32) {
     ];
     let trees: Vec<Prop> =
         habits.map(|habit| stage.prop("tree", tree(palette, &mut chance, habit))).into_iter().collect();
-    let places: [(f32, f32, usize); 8] = [
+    let places: [(f32, f32, usize); 10] = [
+        (-4.6, 10.8, 0),
         (-13.6, -10.2, 0),
-        (-13.2, 1.2, 1),
+        (-13.4, 1.6, 1),
+        (-24.5, 2.0, 1),
         (13.4, -11.2, 1),
         (13.6, 9.5, 0),
         (-25.0, 9.0, 0),
@@ -370,14 +391,14 @@ fn put_trees(stage: &mut Stage, palette: &Palette, seed: u32) {
     // A low wall with a hedge closes the square towards the park.
     let mut wall = Model::default();
     let stone = wall.paint(palette.ashlar, Vec3::splat(0.9));
-    let (low, high) = (Vec3::new(-18.3, 0.0, 5.0), Vec3::new(-17.9, 0.75, 15.2));
+    let (low, high) = (Vec3::new(-18.3, 0.0, -0.9), Vec3::new(-17.9, 0.75, 15.2));
     stone.block(low, high);
     wall.paint(palette.slabs, Vec3::splat(1.2)).block(
         Vec3::new(low.x - 0.06, high.y, low.z - 0.06),
         Vec3::new(high.x + 0.06, high.y + 0.1, high.z + 0.06),
     );
-    for metre in 0..20 {
-        let z = 5.0 + 0.5 * metre as f32;
+    for half_metre in 0..31 {
+        let z = -0.6 + 0.5 * half_metre as f32;
         let bed = (Vec3::new(-19.2, 0.0, z), Vec3::new(-18.5, 1.05, z + 0.7));
         planting(&mut wall, palette, &mut chance, Cluster::Hedge, bed, 36);
     }
@@ -402,7 +423,7 @@ fn put_furniture(stage: &mut Stage, palette: &Palette, seed: u32) {
 
     let bench = stage.prop("bench", furniture::bench(palette));
     for (x, z, turn_rad) in
-        [(-11.6, -4.6, FRAC_PI_2), (-5.4, -11.0, 0.05), (-2.4, 1.9, PI + 0.5), (13.2, -4.2, -FRAC_PI_2)]
+        [(-11.6, -4.6, FRAC_PI_2), (-5.4, -11.0, 0.05), (-1.2, -9.6, -0.8), (13.2, -4.2, -FRAC_PI_2)]
     {
         stage.place(&bench, at(x, z, turn_rad));
     }
