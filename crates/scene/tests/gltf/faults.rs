@@ -134,7 +134,7 @@ fn counts_beyond_the_data_are_refused() {
     // Zeros need no data, but memory.
     let zeros = |count: u64| {
         move |builder: &mut Builder| {
-            builder.json["accessors"][0] = json!({"componentType": 5126, "type": "VEC3", "count": count})
+            builder.json["accessors"][0] = json!({"componentType": 5126, "type": "VEC3", "count": count});
         }
     };
     refused(zeros(1 << 40), "accessor 0", &["more than a file of this size may hold", "split the file"]);
@@ -164,7 +164,7 @@ fn a_thousand_uses_of_one_accessor_are_paid_for() {
 #[test]
 fn a_billion_triangles_by_instancing_are_refused() {
     let spoil = |builder: &mut Builder| {
-        let many = builder.accessor("VEC3", 5126, &vec![0; 12 * 3 << 12], 3 << 12);
+        let many = builder.accessor("VEC3", 5126, &vec![0; 36 << 12], 3 << 12);
         builder.attribute("POSITION", many);
         let places = builder.accessor("VEC3", 5126, &vec![0; 12 << 15], 1 << 15);
         builder.json["nodes"][0]["extensions"] =

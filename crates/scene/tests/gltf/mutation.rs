@@ -11,9 +11,11 @@ use crate::{assets, builder::glb};
 const SEEDS: &[&str] = &[
     "AnimatedMorphCube-Quantized/AnimatedMorphCube.gltf",
     "MeshPrimitiveModes/MeshPrimitiveModes.gltf",
+    #[cfg(feature = "draco")]
     "MorphPrimitivesTest-Draco/MorphPrimitivesTest.gltf",
     "SimpleInstancing/SimpleInstancing.gltf",
     "SimpleSparseAccessor/SimpleSparseAccessor.gltf",
+    #[cfg(feature = "ktx2")]
     "TextureVariants-Embedded-KTX/TextureVariants-Embedded-KTX.gltf",
     "TriangleWithoutIndices/TriangleWithoutIndices.gltf",
     "VertexColorTest/VertexColorTest.gltf",
@@ -34,7 +36,7 @@ impl Chance {
     }
 
     fn below(&mut self, bound: usize) -> usize {
-        (u64::from(self.next()) * bound as u64 >> 32) as usize
+        ((u64::from(self.next()) * bound as u64) >> 32) as usize
     }
 }
 
@@ -61,10 +63,14 @@ fn container(json: &Value, binary: &[u8]) -> Vec<u8> {
 fn pointers(value: &Value, at: &str, all: &mut Vec<String>) {
     match value {
         Value::Array(list) => {
-            list.iter().enumerate().for_each(|(key, value)| pointers(value, &format!("{at}/{key}"), all))
+            for (key, value) in list.iter().enumerate() {
+                pointers(value, &format!("{at}/{key}"), all);
+            }
         }
         Value::Object(map) => {
-            map.iter().for_each(|(key, value)| pointers(value, &format!("{at}/{key}"), all))
+            for (key, value) in map {
+                pointers(value, &format!("{at}/{key}"), all);
+            }
         }
         _ => {}
     }

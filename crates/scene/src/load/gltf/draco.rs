@@ -1,16 +1,15 @@
 //! `KHR_draco_mesh_compression`, decoded by the `draco-oxide` crates.
 //!
 //! A few bytes of Draco can stand for any number of triangles, and the decoder trusts the counts in the stream. So they are read here
-//! first and held against the accessors, which have to state the same counts (extension, "Conformance") and are paid for.
+//! first and held against the accessors, which have to state the same counts (extension, "Conformance") and are paid for; the other
+//! numbers that cost memory are found by [`draco_walk`].
 
 use std::{collections::BTreeMap, panic};
-
-use draco_oxide_core::bit_coder::Reader;
-use draco_oxide_decoder::{connectivity::decode_connectivity, header::decode_header};
 
 use super::{
     accessor::Component,
     document::Document,
+    draco_walk::{self, Walk},
     schema::{self, Primitive},
 };
 use crate::SceneError;
@@ -20,8 +19,6 @@ const HEADER_BYTES: usize = 11;
 /// Where in the header the flags lie, and which of them announces metadata.
 const FLAGS: std::ops::Range<usize> = 9..11;
 const METADATA_FLAG: u16 = 0x8000;
-/// Attributes that one stream may hold: glTF needs a handful, and each costs memory for all points.
-const MAX_ATTRIBUTES: usize = 32;
 /// What the decoder takes for a triangle while it works on the connectivity: corners, their opposites, seams.
 const BYTES_PER_TRIANGLE: usize = 128;
 
@@ -89,17 +86,18 @@ struct Counts {
 impl Counts {
     /// Reads the connectivity header (Draco bitstream specification, sections 5 and 6).
     fn read(stream: &[u8]) -> Option<Self> {
-        let (header, mut rest) = stream.split_at_checked(HEADER_BYTES)?;
+        let (header, rest) = stream.split_at_checked(HEADER_BYTES)?;
+        let mut walk = Walk(rest);
         match header[8] {
             0 => {
-                let triangles = varint(&mut rest)?;
-                Some(Self { triangles, vertices: varint(&mut rest)?, symbols: 0, splits: 0 })
+                let triangles = walk.varint()?;
+                Some(Self { triangles, vertices: walk.varint()?, symbols: 0, splits: 0 })
             }
             1 => {
-                let _traversal = take(&mut rest, 1)?;
-                let (vertices, triangles) = (varint(&mut rest)?, varint(&mut rest)?);
-                let _attribute_data = take(&mut rest, 1)?;
-                Some(Self { triangles, vertices, symbols: varint(&mut rest)?, splits: varint(&mut rest)? })
+                let _traversal = walk.byte()?;
+                let (vertices, triangles) = (walk.varint()?, walk.varint()?);
+                let _attribute_data = walk.byte()?;
+                Some(Self { triangles, vertices, symbols: walk.varint()?, splits: walk.varint()? })
             }
             _ => None,
         }
@@ -113,40 +111,10 @@ impl Counts {
 
 /// Decodes a stream whose counts are known to be affordable.
 fn decode_stream(stream: &[u8], vertex_count: usize) -> Result<draco_oxide_core::mesh::Mesh, String> {
-    // The connectivity is decoded twice, to reach the list of attributes before anything is allocated for them.
-    let mut reader = Reader::new(stream);
-    let header = decode_header(&mut reader).map_err(|error| error.to_string())?;
-    decode_connectivity(&mut reader, header.encoder_method).map_err(|error| error.to_string())?;
-    let is_edgebreaker = stream[8] == 1;
-    let rest = reader.read_bytes(reader.remaining()).map_err(|error| error.to_string())?;
-    let attribute_count =
-        attribute_count(rest, is_edgebreaker).ok_or("the list of attributes is cut short")?;
-    if attribute_count > MAX_ATTRIBUTES {
-        return Err(format!("it holds {attribute_count} attributes, but at most {MAX_ATTRIBUTES} are read"));
-    }
+    draco_walk::check(stream).ok_or("the Draco data is damaged or of a kind that is not read")?;
     let mesh = draco_oxide_decoder::decode_mesh(stream).map_err(|error| error.to_string())?;
     let in_range = mesh.faces.iter().flatten().all(|&point| usize::from(point) < vertex_count);
     if in_range { Ok(mesh) } else { Err("a triangle refers to a vertex that is not there".to_owned()) }
-}
-
-/// Counts the attributes listed (Draco bitstream specification, section 9).
-fn attribute_count(mut rest: &[u8], is_edgebreaker: bool) -> Option<usize> {
-    let decoders = usize::from(take(&mut rest, 1)?[0]);
-    if is_edgebreaker {
-        take(&mut rest, 3 * decoders)?;
-    }
-    let mut count = 0_usize;
-    for _ in 0..decoders {
-        let attributes = varint(&mut rest)?;
-        for _ in 0..attributes {
-            take(&mut rest, 4)?;
-            varint(&mut rest)?;
-        }
-        // Each attribute has one more byte, for its kind of encoding.
-        take(&mut rest, attributes)?;
-        count = count.checked_add(attributes)?;
-    }
-    Some(count)
 }
 
 /// Attributes by name, spread to one element a vertex.
@@ -236,24 +204,25 @@ impl Attribute {
 
 /// The stream with its metadata, which glTF has no use for, cut out (Draco bitstream specification, section 4.2).
 fn without_metadata(data: &[u8]) -> Option<Vec<u8>> {
-    let (header, mut rest) = data.split_at_checked(HEADER_BYTES)?;
+    let (header, rest) = data.split_at_checked(HEADER_BYTES)?;
+    let mut walk = Walk(rest);
     let mut stream = header.to_vec();
     let flags = u16::from_le_bytes([header[FLAGS.start], header[FLAGS.start + 1]]);
     if flags & METADATA_FLAG != 0 {
         stream[FLAGS].copy_from_slice(&(flags & !METADATA_FLAG).to_le_bytes());
         // One tree for each attribute listed, after the attribute's id, then one for the whole geometry.
-        for _ in 0..varint(&mut rest)? {
-            varint(&mut rest)?;
-            skip_metadata_tree(&mut rest)?;
+        for _ in 0..walk.varint()? {
+            walk.varint()?;
+            skip_metadata_tree(&mut walk)?;
         }
-        skip_metadata_tree(&mut rest)?;
+        skip_metadata_tree(&mut walk)?;
     }
-    stream.extend_from_slice(rest);
+    stream.extend_from_slice(walk.0);
     Some(stream)
 }
 
 /// Skips names, values and subtrees, which follow each other depth first, by counting the subtrees still to come on each level.
-fn skip_metadata_tree(rest: &mut &[u8]) -> Option<()> {
+fn skip_metadata_tree(walk: &mut Walk<'_>) -> Option<()> {
     let mut open = vec![1_usize];
     let mut is_root = true;
     while let Some(trees) = open.last_mut() {
@@ -263,37 +232,18 @@ fn skip_metadata_tree(rest: &mut &[u8]) -> Option<()> {
         };
         *trees = left;
         if !std::mem::take(&mut is_root) {
-            let name_bytes = take(rest, 1)?[0];
-            take(rest, usize::from(name_bytes))?;
+            let name_bytes = walk.byte()?;
+            walk.take(usize::from(name_bytes))?;
         }
-        for _ in 0..varint(rest)? {
-            let name_bytes = take(rest, 1)?[0];
-            take(rest, usize::from(name_bytes))?;
-            let value_bytes = varint(rest)?;
-            take(rest, value_bytes)?;
+        for _ in 0..walk.varint()? {
+            let name_bytes = walk.byte()?;
+            walk.take(usize::from(name_bytes))?;
+            let value_bytes = walk.varint()?;
+            walk.take(value_bytes)?;
         }
-        open.push(varint(rest)?);
+        open.push(walk.varint()?);
     }
     Some(())
-}
-
-fn take<'a>(rest: &mut &'a [u8], count: usize) -> Option<&'a [u8]> {
-    let (taken, after) = rest.split_at_checked(count)?;
-    *rest = after;
-    Some(taken)
-}
-
-/// Seven bits a byte, lowest first; 32 bits at most.
-fn varint(rest: &mut &[u8]) -> Option<usize> {
-    let mut value = 0_u64;
-    for shift in (0..35).step_by(7) {
-        let byte = take(rest, 1)?[0];
-        value |= u64::from(byte & 0x7F) << shift;
-        if byte & 0x80 == 0 {
-            return u32::try_from(value).ok().map(|value| value as usize);
-        }
-    }
-    None
 }
 
 #[cfg(test)]
@@ -310,12 +260,5 @@ mod tests {
         for length in 0..data.len() - 4 {
             assert!(without_metadata(&data[..length]).is_none(), "{length}");
         }
-    }
-
-    #[test]
-    fn numbers_end_after_32_bits() {
-        assert_eq!(varint(&mut [0xFF, 0xFF, 0xFF, 0xFF, 0x0F].as_slice()), Some(u32::MAX as usize));
-        assert_eq!(varint(&mut [0xFF, 0xFF, 0xFF, 0xFF, 0x1F].as_slice()), None);
-        assert_eq!(varint(&mut [0x80; 6].as_slice()), None);
     }
 }

@@ -24,6 +24,8 @@ mod bake;
 mod document;
 #[cfg(feature = "draco")]
 mod draco;
+#[cfg(feature = "draco")]
+mod draco_walk;
 mod image;
 #[cfg(feature = "ktx2")]
 mod ktx2;

@@ -393,10 +393,12 @@ pub(super) struct Primitive {
     pub mode: Option<u32>,
     #[serde(default)]
     pub targets: Vec<BTreeMap<String, Index>>,
+    #[cfg(feature = "draco")]
     #[serde(default)]
     pub extensions: PrimitiveExtensions,
 }
 
+#[cfg(feature = "draco")]
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
 pub(super) struct PrimitiveExtensions {
@@ -404,6 +406,7 @@ pub(super) struct PrimitiveExtensions {
     pub draco: Option<Draco>,
 }
 
+#[cfg(feature = "draco")]
 #[derive(Debug, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub(super) struct Draco {
