@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use glam::Vec3;
+use glam::{Vec3, Vec3A};
 
 use crate::build::{self, Part};
 use crate::node::{Block, Child, Node};
@@ -40,8 +40,8 @@ pub(crate) struct Tree<'a> {
     pub(crate) blocks: &'a [Block],
     /// None without triangles.
     pub(crate) root: Option<Child>,
-    pub(crate) lower: Vec3,
-    pub(crate) upper: Vec3,
+    pub(crate) lower: Vec3A,
+    pub(crate) upper: Vec3A,
 }
 
 impl Bvh {
@@ -160,7 +160,7 @@ impl Bvh {
     }
 
     pub(crate) fn tree(&self) -> Tree<'_> {
-        let (lower, upper) = self.whole.map_or((Vec3::ZERO, Vec3::ZERO), |part| part.bounds.corners());
+        let (lower, upper) = self.whole.map_or((Vec3A::ZERO, Vec3A::ZERO), |part| part.bounds.corners());
         Tree {
             nodes: &self.nodes,
             blocks: &self.blocks,

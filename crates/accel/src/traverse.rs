@@ -1,6 +1,6 @@
 //! The one traversal, written over eight [`Lanes`] and compiled once for each SIMD path.
 
-use glam::Vec3;
+use glam::Vec3A;
 
 use crate::bvh::Tree;
 use crate::node::{Block, Node, WIDTH};
@@ -16,7 +16,7 @@ pub(crate) const COORDINATE_LIMIT: f32 = 1e12;
 pub(crate) fn traverse<L: Lanes>(lanes: L, tree: Tree<'_>, ray: &Ray, mut visit: impl FnMut(Hit) -> f32) {
     let Some(root) = tree.root else { return };
     let Some(slabs) = Slabs::new(ray, tree.lower, tree.upper) else { return };
-    let shear = Shear::new(ray);
+    let shear = Shear::new(ray, slabs.inverse);
     let mut t_max = ray.t_max;
     let mut hits = BlockHits { lanes: 0, front: 0, t: [0.0; WIDTH], u: [0.0; WIDTH], v: [0.0; WIDTH] };
     let mut slots = Slots::new();
@@ -79,14 +79,16 @@ pub(crate) fn traverse<L: Lanes>(lanes: L, tree: Tree<'_>, ray: &Ray, mut visit:
 /// The ray as the box test needs it: widened, so that no box is missed that holds a triangle the
 /// triangle test would hit.
 ///
-/// The triangle test moves each vertex by rounding: at most `2 u X + 4 u Z`, with `u` = 2^-24 and X, Z the
-/// distances to the vertex along the axis and along the dominant axis (Woop et al., section 4.2; they
-/// bound it by the root's box as we do). The planes move outwards by that much, and by the rounding of
-/// the moved origin. The rounding of the distances themselves, three operations, and that of a hit's `t`
-/// is covered by [`Slabs::SLACK`] (Ize's factor, section 3, is 1 + 4 u for the former alone).
+/// The triangle test moves each vertex by rounding: at most `2 u X + 5 u Z`, with `u` = 2^-24 and X, Z the
+/// distances to the vertex along the axis and along the dominant axis. The planes move outwards by
+/// `8 u (X + Z)`, taken once a ray from the root's box as Woop et al. do, and by the rounding of the moved
+/// origin. The rounding of the distances themselves, three operations, and that of a hit's `t` is covered by
+/// [`Slabs::SLACK`] (Ize's factor of 1 + 4 u is for the former alone). None of it costs measurable time.
 struct Slabs {
     origin_near: [f32; 3],
     origin_far: [f32; 3],
+    /// 1 per unit of direction; exact to rounding for the fastest axis.
+    inverse: [f32; 3],
     inverse_near: [f32; 3],
     inverse_far: [f32; 3],
     /// Rows of [`Node::bounds`] that the ray enters and leaves by.
@@ -104,40 +106,33 @@ impl Slabs {
 
     /// None for a ray out of the ranges that [`Ray`] names, NaN included.
     #[inline(always)]
-    fn new(ray: &Ray, lower: Vec3, upper: Vec3) -> Option<Self> {
-        let fastest = ray.direction.abs().max_element();
-        let finite = (ray.origin.abs().cmple(Vec3::splat(COORDINATE_LIMIT))
-            & ray.direction.cmpeq(ray.direction))
-        .all();
-        if !(finite && (1e-18..=1e18).contains(&fastest)) {
+    fn new(ray: &Ray, lower: Vec3A, upper: Vec3A) -> Option<Self> {
+        let (origin, direction) = (Vec3A::from(ray.origin), Vec3A::from(ray.direction));
+        let speed = direction.abs();
+        let fastest = speed.max_element();
+        let in_range = origin.abs().cmple(Vec3A::splat(COORDINATE_LIMIT)) & speed.cmple(Vec3A::splat(1e18));
+        if !in_range.all() || fastest < 1e-18 {
             return None;
         }
-        let reach = (lower - ray.origin).abs().max((upper - ray.origin).abs());
-        let pad = (reach + reach.max_element()) * (1.0 / (1 << 22) as f32)
-            + ray.origin.abs() * (1.0 / (1 << 23) as f32);
-        let mut slabs = Self {
-            origin_near: [0.0; 3],
-            origin_far: [0.0; 3],
-            inverse_near: [0.0; 3],
-            inverse_far: [0.0; 3],
-            near: [0; 3],
-            far: [0; 3],
+        let reach = (lower - origin).abs().max((upper - origin).abs());
+        let pad = (reach + reach.max_element()) * (1.0 / (1 << 21) as f32)
+            + origin.abs() * (1.0 / (1 << 23) as f32);
+        let pad = pad.copysign(direction);
+        let inverse = speed.max(Vec3A::splat(fastest * Self::SLOWEST)).copysign(direction).recip();
+        let backwards = direction.is_negative_bitmask();
+        let entry = |axis: usize| axis + if backwards >> axis & 1 != 0 { 3 } else { 0 };
+        let exit = |axis: usize| axis + if backwards >> axis & 1 != 0 { 0 } else { 3 };
+        Some(Self {
+            origin_near: (origin + pad).to_array(),
+            origin_far: (origin - pad).to_array(),
+            inverse: inverse.to_array(),
+            inverse_near: (inverse * (1.0 - Self::SLACK)).to_array(),
+            inverse_far: (inverse * (1.0 + Self::SLACK)).to_array(),
+            near: [entry(0), entry(1), entry(2)],
+            far: [exit(0), exit(1), exit(2)],
             // The addition turns -0 into +0, whose bits sort below all other distances.
             t_min: ray.t_min.max(0.0) + 0.0,
-        };
-        let speed = ray.direction.abs().max(Vec3::splat(fastest * Self::SLOWEST));
-        for axis in 0..3 {
-            let backwards = ray.direction[axis] < 0.0;
-            let inverse = if backwards { -1.0 } else { 1.0 } / speed[axis];
-            let pad = if backwards { -pad[axis] } else { pad[axis] };
-            slabs.origin_near[axis] = ray.origin[axis] + pad;
-            slabs.origin_far[axis] = ray.origin[axis] - pad;
-            slabs.inverse_near[axis] = inverse * (1.0 - Self::SLACK);
-            slabs.inverse_far[axis] = inverse * (1.0 + Self::SLACK);
-            slabs.near[axis] = if backwards { axis + 3 } else { axis };
-            slabs.far[axis] = if backwards { axis } else { axis + 3 };
-        }
-        Some(slabs)
+        })
     }
 
     /// Distances at which the ray enters the children's boxes, and the lanes of the boxes that it passes
@@ -174,7 +169,7 @@ impl Slabs {
     }
 }
 
-/// The ray as the watertight triangle test needs it (Woop et al., section 3): translation to its origin,
+/// The ray as the watertight triangle test needs it (Woop et al.): translation to its origin,
 /// axes permuted so that z is the fastest, and the shear that turns it into the z axis.
 struct Shear {
     /// Original axes that become x, y and z.
@@ -196,24 +191,24 @@ struct BlockHits {
 }
 
 impl Shear {
+    /// `inverse` is 1 per unit of direction, of which the fastest axis counts.
     #[inline(always)]
-    fn new(ray: &Ray) -> Self {
+    fn new(ray: &Ray, inverse: [f32; 3]) -> Self {
+        let (origin, direction) = (ray.origin.to_array(), ray.direction.to_array());
         let speed = ray.direction.abs();
-        let z = if speed.x >= speed.y && speed.x >= speed.z {
-            0
+        let (next, last, z) = if speed.x >= speed.y && speed.x >= speed.z {
+            (1, 2, 0)
         } else if speed.y >= speed.z {
-            1
+            (2, 0, 1)
         } else {
-            2
+            (0, 1, 2)
         };
         // Swapped for a ray against the axis: keeps the winding.
-        let (x, y) =
-            if ray.direction[z] < 0.0 { ((z + 2) % 3, (z + 1) % 3) } else { ((z + 1) % 3, (z + 2) % 3) };
-        let [dx, dy, dz] = [x, y, z].map(|axis| ray.direction[axis]);
+        let (x, y) = if direction[z] < 0.0 { (last, next) } else { (next, last) };
         Self {
             axes: [x, y, z],
-            origin: [x, y, z].map(|axis| ray.origin[axis]),
-            slope: [dx / dz, dy / dz, 1.0 / dz],
+            origin: [origin[x], origin[y], origin[z]],
+            slope: [direction[x] * inverse[z], direction[y] * inverse[z], inverse[z]],
         }
     }
 

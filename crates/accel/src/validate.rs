@@ -67,7 +67,7 @@ struct Visit {
 
 impl Walk<'_> {
     fn root(&mut self, root: Child) -> Result<(), AccelError> {
-        let (lower, upper) = (self.tree.lower, self.tree.upper);
+        let (lower, upper) = (Vec3::from(self.tree.lower), Vec3::from(self.tree.upper));
         let mut waiting = vec![Visit { child: root, lower, upper, parent: u32::MAX, lane: 0, depth: 0 }];
         let root_area = half_area(lower, upper).max(f64::MIN_POSITIVE);
         while let Some(visit) = waiting.pop() {
