@@ -2,7 +2,12 @@
 
 use std::path::PathBuf;
 
+#[cfg(feature = "ktx2")]
+use serde_json::json;
 use sheer_scene::{Loaded, open};
+
+#[cfg(feature = "ktx2")]
+use crate::builder::Builder;
 
 /// A file below `assets/gltf`.
 pub(crate) fn path(name: &str) -> PathBuf {
@@ -110,6 +115,31 @@ fn basis_textures_decode_to_their_colours() {
         loaded.scene.parts().textures.iter().map(|texture| texture.image.as_slice().to_vec()).collect();
     // Both materials show the same cyan square.
     assert_eq!(texels, vec![vec![[0, 255, 255, 255]; 16]; 2]);
+}
+
+#[cfg(feature = "ktx2")]
+#[test]
+fn both_codecs_of_basis_universal_give_back_a_gradient() {
+    // ETC1S keeps four texels to a colour line; UASTC is close to what went in.
+    for (name, mean_error) in [("gradient-etc1s.ktx2", 12.0), ("gradient-uastc.ktx2", 2.0)] {
+        let mut builder = Builder::triangle();
+        let view = builder.view(&std::fs::read(path("basis").join(name)).unwrap());
+        builder.json["images"] = json!([{"bufferView": view, "mimeType": "image/ktx2"}]);
+        builder.json["textures"] = json!([{"extensions": {"KHR_texture_basisu": {"source": 0}}}]);
+        builder.material(json!({"emissiveTexture": {"index": 0}}));
+        let loaded = builder.load().unwrap();
+        let image = &loaded.scene.parts().textures[0].image;
+        assert_eq!(image.size(), (16, 16));
+        let mut error = 0.0;
+        for y in 0..16_u32 {
+            for x in 0..16_u32 {
+                let expected = [16 * x, 16 * y, 128, 255 - 8 * x];
+                let difference = |channel: usize| image[(x, y)][channel].abs_diff(expected[channel] as u8);
+                error += (0..4).map(|channel| f64::from(difference(channel))).sum::<f64>() / 1024.0;
+            }
+        }
+        assert!(error < mean_error, "{name}: {error}");
+    }
 }
 
 #[test]

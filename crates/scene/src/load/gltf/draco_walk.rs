@@ -45,11 +45,8 @@ pub(super) fn check(stream: &[u8]) -> Option<()> {
     let header = decode_header(&mut reader).ok()?;
     let mut walk = Walk(&stream[stream.len() - reader.remaining()..]);
     let is_edgebreaker = stream.get(8) == Some(&1);
-    if is_edgebreaker {
-        walk.edgebreaker()?
-    } else {
-        walk.sequential()?
-    }
+    let connected = if is_edgebreaker { walk.edgebreaker() } else { walk.sequential() };
+    connected?;
     let connectivity = decode_connectivity(&mut reader, header.encoder_method).ok()?;
     Walk(&stream[stream.len() - reader.remaining()..]).attributes(&connectivity)
 }

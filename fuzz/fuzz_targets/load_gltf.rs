@@ -1,0 +1,12 @@
+//! Any bytes, taken for a glTF file, give a scene or an error.
+
+#![no_main]
+
+use std::path::Path;
+
+use libfuzzer_sys::fuzz_target;
+
+fuzz_target!(|bytes: &[u8]| {
+    // The folder does not exist: files beside the input are never there.
+    let _ = sheer_scene::load::read_gltf(bytes, Path::new("nowhere/input.glb"));
+});
