@@ -37,6 +37,8 @@ pub(crate) enum Command {
     Compare(CompareArguments),
     /// Measure what methods cost.
     Bench(BenchArguments),
+    /// Check the papers' numbers and the methods' promises: closed form, printed, measured.
+    Verify(VerifyArguments),
 }
 
 #[derive(Args, Debug)]
@@ -98,6 +100,15 @@ pub(crate) struct BenchArguments {
     pub(crate) json: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) frames: FrameArguments,
+    #[command(flatten)]
+    pub(crate) machine: MachineArguments,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct VerifyArguments {
+    /// File for the figures, - for stdout in place of the table.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) json: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) machine: MachineArguments,
 }

@@ -226,7 +226,9 @@ impl Frame {
     fn table_opacity(&self, slot: u32, u: f32, v: f32) -> f32 {
         let entry = &self.opacities[(slot & SLOT) as usize];
         let w = 1.0 - u - v;
-        let mut alpha = w * entry.alpha[0] + u * entry.alpha[1] + v * entry.alpha[2];
+        // From the first vertex on, not as a weighted sum: three equal alphas give exactly theirs, so that 1 stays opaque.
+        let [first, second, third] = entry.alpha;
+        let mut alpha = first + u * (second - first) + v * (third - first);
         if entry.texture != NO_TEXTURE {
             let uv = w * entry.uv[0] + u * entry.uv[1] + v * entry.uv[2];
             alpha *= self.scene.samplers()[entry.texture as usize].sample_alpha(uv);

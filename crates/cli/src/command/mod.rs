@@ -5,3 +5,4 @@ pub(crate) mod compare;
 pub(crate) mod methods;
 pub(crate) mod render;
 pub(crate) mod scenes;
+pub(crate) mod verify;

@@ -1,0 +1,62 @@
+//! `sheer compare`.
+
+use std::fs;
+
+use sheer_image::read_png;
+
+use crate::run::{assert_numbers, json, names_in, succeed};
+
+#[test]
+fn a_report_has_the_names_and_types_of_its_contract() {
+    let folder = tempfile::tempdir().unwrap();
+    let outcome = succeed(
+        folder.path(),
+        "compare layers -m std -m roulette -a taa -a none --size 32x18 --frames 4 --seed 3 --threads 1 -o out",
+    );
+    let report = json(&fs::read_to_string(folder.path().join("out/report.json")).unwrap());
+    assert_eq!(report["scene"], "layers");
+    assert_eq!(report["size"], serde_json::json!([32, 18]));
+    assert_eq!(report["backend"], "cpu");
+    assert_numbers(&report, &["frames", "seed", "threads"]);
+    assert_eq!((&report["frames"], &report["seed"], &report["threads"]), (&4.into(), &3.into(), &1.into()));
+    for name in ["adapter", "version", "commit", "scene_hash"] {
+        assert!(report[name].as_str().is_some_and(|text| !text.is_empty()), "{name}");
+    }
+    let rows = report["rows"].as_array().unwrap();
+    let named =
+        |name: &str| rows.iter().map(|row| row[name].as_str().unwrap().to_owned()).collect::<Vec<_>>();
+    assert_eq!(named("method"), ["baseline", "std", "roulette", "baseline", "std", "roulette"]);
+    assert_eq!(named("aa"), ["taa", "taa", "taa", "none", "none", "none"]);
+    for row in rows {
+        assert_numbers(row, &["ms_median", "ms_min", "ms_max", "ssim", "flicker", "bias", "rms"]);
+        assert_numbers(row, &["flip", "shaded_per_pixel", "hits_per_pixel"]);
+        let is_reference = row["method"] == "baseline";
+        assert_eq!(row["psnr_db"].is_null(), is_reference, "{row}");
+        assert_eq!(row["ssim"] == 1.0, is_reference, "{row}");
+        assert_eq!(row["shaded_per_pixel"].as_f64().unwrap() <= 1.0, !is_reference, "{row}");
+    }
+    // The table has a heading and a line for each row; talk is elsewhere.
+    assert_eq!(outcome.stdout.lines().count(), 1 + rows.len(), "{}", outcome.stdout);
+    assert!(outcome.stdout.starts_with("method"));
+    assert!(outcome.stderr.contains("index.html"));
+}
+
+#[test]
+fn the_folder_holds_page_report_and_pictures_and_nothing_else() {
+    let folder = tempfile::tempdir().unwrap();
+    succeed(folder.path(), "compare layers -m std:hash=mcguire --size 32x18 --frames 2");
+    let out = folder.path().join("sheer-out");
+    let names = [
+        "index.html",
+        "report.json",
+        "taa-baseline.png",
+        "taa-std-hash-mcguire-error.png",
+        "taa-std-hash-mcguire.png",
+    ];
+    assert_eq!(names_in(&out), names);
+    assert_eq!(read_png(&out.join("taa-baseline.png")).unwrap().size(), (32, 18));
+    let page = fs::read_to_string(out.join("index.html")).unwrap();
+    assert_eq!(page.matches("src=\"data:image/png;base64,").count(), 3);
+    assert!(page.contains("std:hash=mcguire") && !page.contains("https:"));
+    assert_eq!(names_in(folder.path()), ["sheer-out"]);
+}

@@ -1,0 +1,9 @@
+//! The binary from outside: command line, outputs, exit codes.
+
+mod bench;
+mod compare;
+mod interruption;
+mod render;
+mod run;
+mod usage;
+mod verify;

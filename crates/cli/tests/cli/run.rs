@@ -1,0 +1,56 @@
+//! Running the binary.
+
+use std::{
+    fs,
+    path::Path,
+    process::{Command, Output},
+};
+
+/// What came of a run.
+#[derive(Debug)]
+pub(crate) struct Outcome {
+    pub(crate) code: Option<i32>,
+    pub(crate) stdout: String,
+    pub(crate) stderr: String,
+}
+
+/// The binary, with arguments separated by blanks, in a folder.
+pub(crate) fn command(folder: &Path, arguments: &str) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_sheer"));
+    command.args(arguments.split_whitespace()).current_dir(folder);
+    command
+}
+
+/// Runs it to its end.
+pub(crate) fn sheer(folder: &Path, arguments: &str) -> Outcome {
+    let Output { status, stdout, stderr } = command(folder, arguments).output().unwrap();
+    let text = |bytes| String::from_utf8(bytes).unwrap();
+    Outcome { code: status.code(), stdout: text(stdout), stderr: text(stderr) }
+}
+
+/// Runs it and asserts that it went well.
+pub(crate) fn succeed(folder: &Path, arguments: &str) -> Outcome {
+    let outcome = sheer(folder, arguments);
+    assert_eq!(outcome.code, Some(0), "{arguments}: {outcome:?}");
+    outcome
+}
+
+/// Names in a folder, sorted.
+pub(crate) fn names_in(folder: &Path) -> Vec<String> {
+    let names = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
+    let mut names: Vec<String> = names.collect();
+    names.sort();
+    names
+}
+
+/// A report, parsed.
+pub(crate) fn json(text: &str) -> serde_json::Value {
+    serde_json::from_str(text).unwrap_or_else(|error| panic!("{error} in {text}"))
+}
+
+/// Asserts that an object has a number under each of these names.
+pub(crate) fn assert_numbers(object: &serde_json::Value, names: &[&str]) {
+    for name in names {
+        assert!(object[name].is_number(), "{name} is {:?} in {object}", object.get(name));
+    }
+}
