@@ -350,7 +350,7 @@ fn chair(palette: &Palette) -> Model {
     model
 }
 
-/// An iron fire bowl on three legs with logs and embers.
+/// An iron fire bowl on a stone foot, with logs and embers.
 pub(super) fn fire_bowl(palette: &Palette, chance: &mut Chance) -> Model {
     let mut model = Model::default();
     let iron = model.paint(palette.iron, Vec3::new(0.06, 0.055, 0.05));
@@ -367,10 +367,19 @@ pub(super) fn fire_bowl(palette: &Palette, chance: &mut Chance) -> Model {
         (0.35, 0.58),
     ];
     iron.lathe(Vec3::ZERO, &bowl, 32);
-    for leg in 0..3 {
-        let turn = leg as f32 / 3.0 + 0.08;
-        iron.tube(&[(around(turn, 0.58, 0.0), 0.03), (around(turn, 0.40, 0.55), 0.035)], 8);
-    }
+    let foot = model.paint(palette.ashlar, Vec3::splat(0.75));
+    let profile = [
+        (0.46, 0.0),
+        (0.46, 0.10),
+        (0.40, 0.14),
+        (0.22, 0.20),
+        (0.15, 0.28),
+        (0.14, 0.34),
+        (0.20, 0.38),
+        (0.20, 0.43),
+        (0.12, 0.44),
+    ];
+    foot.lathe(Vec3::ZERO, &profile, 28);
     model.paint(palette.embers, Vec3::ONE).lathe(Vec3::ZERO, &[(0.56, 0.76), (0.25, 0.80), (0.0, 0.82)], 24);
     for log in 0..6 {
         let turn = log as f32 / 6.0 + chance.about(0.0, 0.05);

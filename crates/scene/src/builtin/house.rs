@@ -24,8 +24,6 @@ pub(super) enum Wall {
     Brick,
     /// Painted plaster between beams above a plain ground floor.
     HalfTimber(Vec3),
-    /// Cut stone.
-    Ashlar,
 }
 
 /// What a roof is covered with.
@@ -142,7 +140,6 @@ impl Site<'_> {
                 (self.palette.plaster, tint)
             }
             Wall::Brick => (self.palette.brick, Vec3::ONE),
-            Wall::Ashlar => (self.palette.ashlar, Vec3::ONE),
         }
     }
 
@@ -393,7 +390,7 @@ impl Site<'_> {
     /// What trims and plinths are made of.
     fn stone(&self) -> (u32, Vec3) {
         match self.house.wall {
-            Wall::Plaster(_) | Wall::Ashlar | Wall::Brick => (self.palette.slabs, Vec3::new(1.5, 1.42, 1.3)),
+            Wall::Plaster(_) | Wall::Brick => (self.palette.slabs, Vec3::new(1.5, 1.42, 1.3)),
             Wall::HalfTimber(_) => (self.palette.timber, linear_from_hex(0x5a3d2a)),
         }
     }
@@ -443,7 +440,7 @@ impl Site<'_> {
         }
         if self.house.shop {
             let board = self.model.paint(self.palette.planks, self.house.paint);
-            board.block(Vec3::new(-half + 0.15, 2.74, 0.0), Vec3::new(half - 0.15, 3.14, 0.09));
+            board.block(Vec3::new(-half + 0.15, 2.74, 0.0), Vec3::new(half - 0.15, 3.15, 0.09));
         }
     }
 
@@ -735,8 +732,8 @@ impl Slope {
             return;
         }
         let (width, exposure) = match covering {
-            Covering::Pantile => (0.25, 0.33),
-            Covering::Plain => (0.20, 0.18),
+            Covering::Pantile => (0.26, 0.35),
+            Covering::Plain => (0.22, 0.20),
         };
         let (columns, rows) = (
             (self.run.length() / width).round().max(1.0) as u32,
@@ -767,7 +764,7 @@ impl Slope {
         let (cell_x, cell_y) = (self.run / columns as f32, self.up / rows as f32);
         let normal = self.normal();
         let (segments, raise, overlap, swell) = match covering {
-            Covering::Pantile => (4, 0.030, 1.22, 0.038),
+            Covering::Pantile => (3, 0.030, 1.22, 0.038),
             Covering::Plain => (1, 0.026, 1.9, 0.0),
         };
         let shift = if covering == Covering::Plain && row % 2 == 1 { 0.5 } else { 0.0 };

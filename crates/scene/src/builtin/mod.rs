@@ -237,21 +237,15 @@ mod tests {
 
     #[test]
     fn the_same_seed_gives_the_same_scene_and_another_seed_another() {
+        let one_thread = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
         // The ten levels are what they are; nothing in them is left to chance.
         for info in catalogue().iter().filter(|info| info.name != "calibration") {
             let text = light(info);
             let first = fingerprint(&build(&format!("{text}seed=3")).unwrap());
-            assert_eq!(first, fingerprint(&build(&format!("{text}seed=3")).unwrap()), "{}", info.name);
+            let again = one_thread.install(|| fingerprint(&build(&format!("{text}seed=3")).unwrap()));
+            assert_eq!(first, again, "{}: not even the number of threads may matter", info.name);
             assert_ne!(first, fingerprint(&build(&format!("{text}seed=4")).unwrap()), "{}", info.name);
         }
-    }
-
-    #[test]
-    fn threads_do_not_change_a_scene() {
-        let text = "smoke-square:particles=100";
-        let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
-        let one_thread = alone.install(|| fingerprint(&build(text).unwrap()));
-        assert_eq!(one_thread, fingerprint(&build(text).unwrap()));
     }
 
     #[test]
@@ -271,18 +265,5 @@ mod tests {
             assert!(matches!(error, SceneError::Parameter { .. }), "{error}");
             assert!(error.to_string().contains(says), "{text}: {error}");
         }
-    }
-
-    #[test]
-    fn the_town_keeps_to_its_budget() {
-        let scene = build("smoke-square").unwrap();
-        let parts = scene.parts();
-        let triangle_count: usize =
-            parts.instances.iter().map(|instance| parts.meshes[instance.mesh as usize].indices.len()).sum();
-        assert!((150_000..=400_000).contains(&triangle_count), "{triangle_count} triangles");
-        let texels: usize = parts.textures.iter().map(|texture| texture.image.as_slice().len()).sum();
-        assert!(4 * texels <= 60 << 20, "{texels} texels");
-        let largest = parts.textures.iter().map(|texture| texture.image.width()).max();
-        assert!(largest <= Some(512));
     }
 }

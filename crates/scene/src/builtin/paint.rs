@@ -113,8 +113,6 @@ pub(super) struct Cell {
     pub(super) nearest: f32,
     /// Distance to the border with the second nearest, in cells.
     pub(super) border: f32,
-    /// From the feature point to here, in cells.
-    pub(super) offset: Vec2,
     /// 0 to 1, one value a cell.
     pub(super) id: f32,
 }
@@ -168,7 +166,7 @@ impl Noise {
                 border = border.min(-(offset + other).dot(between) * 0.5 / between.length());
             }
         }
-        Cell { nearest: distance_squared.sqrt(), border, offset, id }
+        Cell { nearest: distance_squared.sqrt(), border, id }
     }
 
     /// 0 to 1 at a lattice point.

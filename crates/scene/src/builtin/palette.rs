@@ -35,9 +35,6 @@ pub(super) struct Palette {
     pub(super) iron: u32,
     /// Bare shiny metal, tinted.
     pub(super) metal: u32,
-    /// Car paint, tinted.
-    pub(super) lacquer: u32,
-    pub(super) rubber: u32,
     pub(super) water: u32,
     /// Lamp glass that glows faintly.
     pub(super) lantern: u32,
@@ -77,8 +74,6 @@ impl Palette {
             dial: easel.dial(),
             iron: easel.stage.material(plain("iron", Vec3::ONE, 0.45, 0.0)),
             metal: easel.stage.material(plain("metal", Vec3::ONE, 0.3, 1.0)),
-            lacquer: easel.stage.material(plain("lacquer", Vec3::ONE, 0.12, 0.0)),
-            rubber: easel.stage.material(plain("rubber", Vec3::splat(0.03), 0.8, 0.0)),
             water: easel.stage.material(plain("water", Vec3::new(0.02, 0.05, 0.05), 0.04, 0.0)),
             lantern: easel.stage.material(emissive("lantern", Vec3::splat(0.8), Vec3::new(1.0, 0.72, 0.4))),
             embers: easel.stage.material(emissive("embers", Vec3::splat(0.05), Vec3::new(6.0, 1.6, 0.3))),

@@ -2,7 +2,7 @@
 //!
 //! In the middle of the cloud a ray meets tens of layers, which is where rendering all of them becomes slow.
 
-use std::f32::consts::TAU;
+use std::f32::consts::{PI, TAU};
 
 use glam::Vec3;
 
@@ -79,7 +79,16 @@ pub(super) fn build(values: &Values<'_>) -> Result<Scene, SceneError> {
     stage.finish()
 }
 
-/// Puffs that roll along together.
+/// A head of smoke: it swells, rolls along with the wind and dissolves.
+struct Head {
+    /// Halfway through its life.
+    centre: Vec3,
+    radius: f32,
+    birth_secs: f32,
+    drift: Vec3,
+}
+
+/// Puffs of a head, or of the haze between heads, that stay together.
 #[derive(Clone, Copy, Default)]
 struct Billow {
     /// Halfway through its life.
@@ -91,35 +100,53 @@ struct Billow {
     thickness: f32,
 }
 
-const BILLOW_SIZE: u32 = 50;
+const HEAD_COUNT: u32 = 22;
+const BILLOW_SIZE: u32 = 40;
 
-impl Billow {
-    fn new(chance: &mut Chance) -> Self {
-        // Along the way from the fire: the cloud widens, rises and thins; at its rim it is ragged.
-        let way = chance.unit();
-        let reach = chance.unit().powf(0.55);
-        let radius = 0.75 + 1.75 * (std::f32::consts::PI * (0.12 + 0.80 * way)).sin();
-        let spine = CLOUD + CLOUD_REACH * (2.0 * way - 1.0) + Vec3::Y * 0.35 * (TAU * 1.6 * way).sin();
-        let out = chance.direction() * reach * radius;
+impl Head {
+    /// One of the heads, evenly spread over the loop and over the way from the fire to where the cloud dissolves.
+    fn new(index: u32, chance: &mut Chance) -> Self {
+        // Steps of the golden ratio: heads that are born one after the other lie apart.
+        let way = (index as f32 * 0.618_034 + chance.about(0.0, 0.03)).rem_euclid(1.0);
+        let girth = 0.65 + 1.45 * (PI * (0.12 + 0.80 * way)).sin();
+        let spine = CLOUD + CLOUD_REACH * (2.0 * way - 1.0);
+        let out = chance.direction() * Vec3::new(0.5, 0.75, 1.1) + Vec3::Y * 0.15;
         Self {
-            centre: spine + out * Vec3::new(0.8, 0.82, 1.15),
-            size: chance.between(0.40, 0.62) * radius.sqrt(),
-            birth_secs: chance.between(0.0, LOOP_SECS),
-            drift: WIND * chance.between(0.7, 1.3) + chance.direction() * 0.03,
-            thickness: chance.between(0.7, 1.3) * (1.2 - 0.45 * reach) * (1.15 - 0.3 * way),
+            centre: spine + out * girth * 0.75,
+            radius: girth * chance.between(0.48, 0.78),
+            birth_secs: LOOP_SECS * index as f32 / HEAD_COUNT as f32,
+            drift: WIND * chance.between(0.8, 1.2) + Vec3::Y * chance.between(0.0, 0.035),
         }
     }
 }
 
-/// Billows that are born, roll along with the wind and dissolve, and a stream that feeds them from the fire bowl.
+impl Billow {
+    fn new(heads: &[Head], chance: &mut Chance) -> Self {
+        let head = chance.pick(heads);
+        let direction = chance.direction();
+        let haze = chance.happens(0.22);
+        // Billows sit on the surface of their head; haze lies around it.
+        let reach = head.radius * if haze { chance.between(0.8, 1.7) } else { chance.between(0.25, 0.8) };
+        Self {
+            centre: head.centre + direction * reach * Vec3::new(1.1, 0.9, 1.0),
+            size: head.radius * if haze { chance.between(0.6, 0.9) } else { chance.between(0.30, 0.50) },
+            birth_secs: head.birth_secs + chance.about(0.0, 1.5),
+            drift: head.drift + direction * 0.03,
+            thickness: if haze { chance.between(0.25, 0.5) } else { chance.between(0.8, 1.5) },
+        }
+    }
+}
+
+/// Heads that roll along with the wind and dissolve, and a stream that feeds them from the fire bowl.
 fn cloud(count: u32, density: f32, seed: u32) -> Vec<Particle> {
     let mut chance = Chance::new(seed, "cloud");
     let stream_count = count / 6;
     let mut particles = Vec::with_capacity(count as usize);
+    let heads: Vec<Head> = (0..HEAD_COUNT).map(|index| Head::new(index, &mut chance)).collect();
     let mut billow = Billow::default();
     for index in 0..count - stream_count {
         if index % BILLOW_SIZE == 0 {
-            billow = Billow::new(&mut chance);
+            billow = Billow::new(&heads, &mut chance);
         }
         let Billow { centre, size, birth_secs, drift, thickness } = billow;
         let shell = chance.direction() * chance.unit().powf(0.42) * size;
@@ -131,7 +158,7 @@ fn cloud(count: u32, density: f32, seed: u32) -> Vec<Particle> {
         let half_size = if wisp { chance.between(0.6, 0.95) } else { chance.between(0.28, 0.50) };
         let alpha = if wisp { chance.between(0.05, 0.12) } else { chance.between(0.10, 0.34) };
         particles.push(Particle {
-            birth_secs: birth_secs + chance.about(0.0, 1.2),
+            birth_secs: birth_secs + chance.about(0.0, 0.8),
             lifetime_secs: LOOP_SECS,
             origin: middle - velocity * (0.5 * LOOP_SECS),
             velocity,
@@ -171,12 +198,17 @@ fn cloud(count: u32, density: f32, seed: u32) -> Vec<Particle> {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::LazyLock;
+
     use super::*;
     use crate::{builtin, camera::pose_on_rails, particle::Puff};
 
+    /// Built once for all tests.
+    static SCENE: LazyLock<Scene> = LazyLock::new(|| builtin::build("smoke-square").unwrap());
+
     /// Where the puffs are at a time, those that can be seen.
-    fn puffs(scene: &Scene, time_secs: f32) -> Vec<Puff> {
-        let system = &scene.parts().particles[0];
+    fn puffs(time_secs: f32) -> Vec<Puff> {
+        let system = &SCENE.parts().particles[0];
         let alive = (0..system.particles.len()).filter_map(|index| system.puff(index, time_secs));
         alive.filter(|puff| puff.alpha > 0.02).collect()
     }
@@ -189,12 +221,11 @@ mod tests {
 
     #[test]
     fn the_camera_passes_through_the_cloud() {
-        let scene = builtin::build("smoke-square").unwrap();
-        let camera = &scene.parts().cameras[0];
+        let camera = &SCENE.parts().cameras[0];
         let eye = |time_secs| pose_on_rails(camera.lens, &camera.motion, time_secs).unwrap().eye();
-        let inside = thickness(&puffs(&scene, 6.0), eye(6.0));
+        let inside = thickness(&puffs(6.0), eye(6.0));
         for time_secs in [0.0, 12.0] {
-            let outside = thickness(&puffs(&scene, time_secs), eye(time_secs));
+            let outside = thickness(&puffs(time_secs), eye(time_secs));
             assert!(outside < 0.02 * inside, "{outside} at {time_secs} s, {inside} in the middle");
         }
         assert!(eye(0.0).x > eye(6.0).x && eye(6.0).x > eye(12.0).x, "from right to left");
@@ -202,10 +233,9 @@ mod tests {
 
     #[test]
     fn a_ray_through_the_middle_meets_tens_of_layers() {
-        let scene = builtin::build("smoke-square").unwrap();
         // Quads face the camera: one that is nearer to the ray than the radius of its puff is met.
         let met = |puff: &&Puff| (puff.centre - CLOUD).with_z(0.0).length() < puff.half_size;
-        let layer_count = puffs(&scene, 2.0).iter().filter(met).count();
+        let layer_count = puffs(2.0).iter().filter(met).count();
         assert!((30..=200).contains(&layer_count), "{layer_count}");
     }
 
@@ -219,5 +249,17 @@ mod tests {
         let along = (shadow - CLOUD).dot(CLOUD_REACH) / CLOUD_REACH.length_squared();
         let offset = (shadow - CLOUD - CLOUD_REACH * along).length();
         assert!(travel > 0.0 && along.abs() < 0.8 && offset < 1.2, "shadow at {shadow}, {along}, {offset}");
+    }
+
+    #[test]
+    fn the_town_keeps_to_its_budget() {
+        let parts = SCENE.parts();
+        let triangle_count: usize =
+            parts.instances.iter().map(|instance| parts.meshes[instance.mesh as usize].indices.len()).sum();
+        assert!((150_000..=400_000).contains(&triangle_count), "{triangle_count} triangles");
+        let texels: usize = parts.textures.iter().map(|texture| texture.image.as_slice().len()).sum();
+        assert!(4 * texels <= 60 << 20, "{texels} texels");
+        let largest = parts.textures.iter().map(|texture| texture.image.width()).max();
+        assert!(largest <= Some(512));
     }
 }
