@@ -13,6 +13,7 @@ use crate::{AccelError, Hit, Ray, Stats, validate};
 ///
 /// Ignored, and so never hit: triangles with a coordinate that is not finite or above 1e12 in magnitude,
 /// triangles with two equal vertices, and those from index 2^30 on.
+/// Triangles with sides below about 1e-18 may be missed, as their area is no normal `f32`.
 #[derive(Clone)]
 pub struct Bvh {
     /// Static part, then the part that moves, then the nodes that join the two.
