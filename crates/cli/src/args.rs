@@ -238,7 +238,9 @@ fn background(text: &str) -> Result<Background, String> {
         "env" => Ok(Background::Environment),
         "none" => Ok(Background::None),
         _ => {
-            let digits = text.strip_prefix('#').filter(|digits| digits.len() == 6 && digits.is_ascii());
+            let is_colour =
+                |digits: &&str| digits.len() == 6 && digits.bytes().all(|digit| digit.is_ascii_hexdigit());
+            let digits = text.strip_prefix('#').filter(is_colour);
             let bytes = digits.and_then(|digits| u32::from_str_radix(digits, 16).ok()).map(u32::to_be_bytes);
             let [_, r, g, b] = bytes.ok_or("give env, none or a colour as in #7f7f7f")?;
             Ok(Background::Colour(Vec3::from_array([r, g, b].map(|v| linear_from_srgb(unit_from_u8(v))))))

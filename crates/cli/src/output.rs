@@ -130,10 +130,11 @@ impl PictureOutput {
         }
     }
 
-    /// Finds out whether the frames can be written.
-    pub(crate) fn check(&self, frames: impl IntoIterator<Item = u32>) -> anyhow::Result<()> {
+    /// Finds out whether the frames can be written: their folder and ending are the same for all, so the first one tells.
+    pub(crate) fn check(&self, first_frame: u32) -> anyhow::Result<()> {
         let _interruptions_wait = writing();
-        frames.into_iter().try_for_each(|frame| Ok(check_writable(&self.path(frame)).map(drop)?))
+        check_writable(&self.path(first_frame))?;
+        Ok(())
     }
 
     /// Writes the file of a frame.

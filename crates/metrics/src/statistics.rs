@@ -141,7 +141,7 @@ fn upper_gamma_of_half(twice_a: u32, x: f64) -> f64 {
 
 /// ln Γ(`twice_a` / 2), by Γ(a) = (a-1) Γ(a-1) down to Γ(1) = 1 or Γ(1/2) = √π.
 fn ln_gamma_of_half(twice_a: u32) -> f64 {
-    let (first, start) = if twice_a % 2 == 0 { (2, 0.0) } else { (1, PI.sqrt().ln()) };
+    let (first, start) = if twice_a.is_multiple_of(2) { (2, 0.0) } else { (1, PI.sqrt().ln()) };
     start + (first..twice_a).step_by(2).map(|twice| (f64::from(twice) / 2.0).ln()).sum::<f64>()
 }
 

@@ -26,21 +26,19 @@ pub(crate) fn run(arguments: &RenderArguments) -> anyhow::Result<()> {
         Antialiasing::None if !is_sequence => 1,
         _ => arguments.frames.frames.unwrap_or(DEFAULT_FRAMES),
     };
-    let numbers = (0..frame_count).map(|index| settings.first_frame + index);
-    output.check(numbers.clone().take(if is_sequence { frame_count as usize } else { 1 }))?;
+    output.check(settings.first_frame)?;
 
     let mut stage = arguments.scene.open(arguments.machine, talk)?.stage;
     let mut pipeline = Pipeline::new(arguments.method.clone(), antialiasing, settings)?;
     let metadata = setup::metadata(&arguments.scene, &arguments.method, antialiasing, &settings);
     let mut tally = Tally::default();
     let progress = talk.progress(u64::from(frame_count));
-    for (index, number) in numbers.enumerate() {
-        let index = index as u32;
+    for index in 0..frame_count {
         stage.advance(pipeline.clock().at(index));
         tally.add(pipeline.render(&stage, index)?);
         if is_sequence || index + 1 == frame_count {
-            let metadata = metadata.clone().with("frame", number);
-            output.write(number, pipeline.planes(), &metadata)?;
+            let frame = settings.first_frame + index;
+            output.write(frame, pipeline.planes(), &metadata.clone().with("frame", frame))?;
         }
         progress.inc(1);
     }

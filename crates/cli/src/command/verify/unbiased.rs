@@ -216,7 +216,7 @@ mod tests {
         use sheer_metrics::statistics::{chi_square_p, two_sided_p};
         for chi_square in [14.0, 21.0, 30.0] {
             let z = wilson_hilferty(chi_square, 12.0);
-            assert!((two_sided_p(z) / 2.0 / chi_square_p(chi_square, 12) - 1.0).abs() < 0.02);
+            assert!((two_sided_p(z) / 2.0 / chi_square_p(chi_square, 12) - 1.0).abs() < 0.05);
         }
     }
 }
