@@ -41,7 +41,8 @@ impl Environment {
         Self { zenith: Vec3::ZERO, horizon: Vec3::ZERO, ground: Vec3::ZERO, lobes: Vec::new() }
     }
 
-    /// What a file without lights is shown in: a bright grey room with a key, a fill and a rim light.
+    /// What a file without lights is shown in: a dim grey room with a key, a fill and a rim light. Dim, so that white things stand out
+    /// and metals have something dark to reflect.
     #[must_use]
     pub fn neutral_studio() -> Self {
         let lobe = |x: f32, y: f32, z: f32, strength: f32, sharpness: f32| Lobe {
@@ -50,13 +51,13 @@ impl Environment {
             sharpness,
         };
         Self {
-            zenith: Vec3::splat(0.75),
-            horizon: Vec3::splat(0.5),
-            ground: Vec3::splat(0.22),
+            zenith: Vec3::splat(0.34),
+            horizon: Vec3::splat(0.2),
+            ground: Vec3::splat(0.09),
             lobes: vec![
-                lobe(0.6, 0.9, 0.7, 5.0, 18.0),
-                lobe(-0.9, 0.35, 0.5, 1.6, 10.0),
-                lobe(0.1, 0.5, -1.0, 2.4, 14.0),
+                lobe(0.6, 0.9, 0.7, 6.5, 16.0),
+                lobe(-0.9, 0.35, 0.5, 1.8, 9.0),
+                lobe(0.1, 0.5, -1.0, 3.0, 14.0),
             ],
         }
     }

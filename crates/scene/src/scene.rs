@@ -13,8 +13,8 @@ use crate::{
 #[derive(Clone, Debug)]
 pub struct Scene {
     parts: SceneParts,
-    /// Bounds of everything at time zero, for cameras and orbits: centre and radius.
-    bounds: (Vec3, f32),
+    /// Lowest and highest corner of everything at time zero.
+    bounds: [Vec3; 2],
     /// One a texture.
     samplers: Vec<Sampler>,
 }
@@ -34,6 +34,11 @@ pub enum CameraChoice {
 /// Vertical field of view of the view that is made up where a scene has no camera: that of a 50 mm lens would be 27°; a little wider
 /// shows more of the form.
 const FALLBACK_YFOV_RAD: f32 = 0.6;
+/// Share of the picture's height and width that is filled, and the picture's shape: that of the default size.
+const FRAME_FILL: f32 = 0.88;
+const FRAME_ASPECT: f32 = 16.0 / 9.0;
+/// A scene whose depth or height is less than this share of its other sides is flat.
+const FLAT: f32 = 0.25;
 /// Time of one turn of `--camera orbit`.
 const ORBIT_PERIOD_SECS: f32 = 12.0;
 
@@ -43,8 +48,11 @@ impl Scene {
     /// # Errors
     /// [`SceneError::Invalid`] names the first part that is wrong.
     pub fn new(parts: SceneParts) -> Result<Self, SceneError> {
-        validate(&parts)
-            .map_err(|(place, problem)| SceneError::Invalid { scene: parts.name.clone(), place, problem })?;
+        validate(&parts).map_err(|(place, problem)| SceneError::Invalid {
+            scene: parts.name.clone(),
+            place,
+            problem,
+        })?;
         let bounds = bounds_at_rest(&parts);
         let samplers = parts.textures.iter().map(Sampler::new).collect();
         Ok(Self { parts, bounds, samplers })
@@ -69,7 +77,8 @@ impl Scene {
     /// Centre and radius of a sphere around everything at rest.
     #[must_use]
     pub fn bounding_sphere(&self) -> (Vec3, f32) {
-        self.bounds
+        let [low, high] = self.bounds;
+        (0.5 * (low + high), (0.5 * (high - low).length()).max(1e-6))
     }
 
     /// The same scene with every material's opacity set to `alpha`, 0 to 1: opaque surfaces become that transparent, blended ones take it
@@ -95,12 +104,11 @@ impl Scene {
             CameraChoice::Orbit => {
                 let start = self.default_camera();
                 let pose = crate::frame::camera_pose(self, &start, 0.0);
-                let (centre, radius) = self.bounds;
+                let (centre, radius) = self.bounding_sphere();
                 // Orbit what the default view looks at: the point on its axis nearest to the middle of the scene.
                 let along = (centre - pose.eye()).dot(pose.forward()).max(0.1 * radius);
                 let target = pose.eye() + pose.forward() * along;
-                let motion =
-                    CameraMotion::Orbit { target, eye: pose.eye(), period_secs: ORBIT_PERIOD_SECS };
+                let motion = CameraMotion::Orbit { target, eye: pose.eye(), period_secs: ORBIT_PERIOD_SECS };
                 Ok(Camera { name: "orbit".to_owned(), lens: pose.lens, motion })
             }
             CameraChoice::Named(name) => {
@@ -123,12 +131,35 @@ impl Scene {
     }
 
     fn default_camera(&self) -> Camera {
-        self.parts.cameras.first().cloned().unwrap_or_else(|| {
-            let (centre, radius) = self.bounds;
-            let distance = 1.02 * radius / (0.5 * FALLBACK_YFOV_RAD).sin();
-            let direction = Vec3::new(0.55, 0.42, 1.0).normalize();
-            Camera::fixed("static", FALLBACK_YFOV_RAD, centre + direction * distance, centre)
-        })
+        self.parts.cameras.first().cloned().unwrap_or_else(|| self.framing_camera())
+    }
+
+    /// A view of the whole scene at rest: three-quarter, from further in front of what is flat like a board, from further above what is
+    /// flat like a floor.
+    fn framing_camera(&self) -> Camera {
+        let [low, high] = self.bounds;
+        let centre = 0.5 * (low + high);
+        let extent = high - low;
+        let direction = if extent.z < FLAT * extent.x.max(extent.y) {
+            Vec3::new(0.22, 0.12, 1.0)
+        } else if extent.y < FLAT * extent.x.max(extent.z) {
+            Vec3::new(0.4, 0.9, 1.0)
+        } else {
+            Vec3::new(0.55, 0.42, 1.0)
+        };
+        let back = direction.normalize();
+        let right = Vec3::Y.cross(back).normalize();
+        let up = back.cross(right);
+        // As near as every vertex allows.
+        let half_height = FRAME_FILL * (0.5 * FALLBACK_YFOV_RAD).tan();
+        let half_width = half_height * FRAME_ASPECT;
+        let mut distance = 1e-6_f32;
+        for_each_point_at_rest(&self.parts, &mut |point| {
+            let offset = point - centre;
+            let beside = (offset.dot(right).abs() / half_width).max(offset.dot(up).abs() / half_height);
+            distance = distance.max(offset.dot(back) + beside);
+        });
+        Camera::fixed("static", FALLBACK_YFOV_RAD, centre + back * distance, centre)
     }
 }
 
@@ -162,8 +193,16 @@ fn validate_nodes(parts: &SceneParts) -> Result<(), Fault> {
         let place = || format!("skin {index} '{}'", skin.name);
         let joints_exist = skin.joints.iter().all(|&joint| (joint as usize) < parts.nodes.len());
         check(joints_exist, place, "a joint is not a node")?;
-        check(skin.joints.len() == skin.inverse_bind.len(), place, "joints and inverse bind matrices differ in number")?;
-        check(skin.inverse_bind.iter().all(Affine3A::is_finite), place, "an inverse bind matrix is not finite")?;
+        check(
+            skin.joints.len() == skin.inverse_bind.len(),
+            place,
+            "joints and inverse bind matrices differ in number",
+        )?;
+        check(
+            skin.inverse_bind.iter().all(Affine3A::is_finite),
+            place,
+            "an inverse bind matrix is not finite",
+        )?;
     }
     Ok(())
 }
@@ -201,13 +240,19 @@ fn validate_mesh(mesh: &Mesh, parts: &SceneParts) -> Result<(), String> {
     say(fits(mesh.normals.len()), "normals and positions differ in number")?;
     say(fits(mesh.tangents.len()), "tangents and positions differ in number")?;
     say(fits(mesh.colours.len()), "colours and positions differ in number")?;
-    say(mesh.uv_sets.iter().all(|set| set.len() == vertex_count), "a texture coordinate set is too short or long")?;
+    say(
+        mesh.uv_sets.iter().all(|set| set.len() == vertex_count),
+        "a texture coordinate set is too short or long",
+    )?;
     let in_range = mesh.indices.iter().flatten().all(|&index| (index as usize) < vertex_count);
     say(in_range, "an index is out of range")?;
     let influence_count = vertex_count.checked_mul(mesh.influences_per_vertex);
     say(influence_count == Some(mesh.influences.len()), "joint influences and positions differ in number")?;
     for target in &mesh.morph_targets {
-        say(fits(target.positions.len()) && fits(target.normals.len()), "a morph target is too short or long")?;
+        say(
+            fits(target.positions.len()) && fits(target.normals.len()),
+            "a morph target is too short or long",
+        )?;
         let finite = target.positions.iter().chain(&target.normals).all(|delta| delta.is_finite());
         say(finite, "a morph displacement is not finite")?;
     }
@@ -261,8 +306,7 @@ fn validate_animations(parts: &SceneParts) -> Result<(), Fault> {
             check(!moves || is_trs, place, "its node has a matrix, which cannot be animated")?;
             if let Track::MorphWeights(keys) = &channel.track {
                 let targets = parts.instances.iter().filter(|instance| instance.node == channel.node);
-                let fits =
-                    |count: usize| keys.values.iter().all(|weights| weights.len() == count);
+                let fits = |count: usize| keys.values.iter().all(|weights| weights.len() == count);
                 let fit = targets.map(|instance| instance.morph_weights.len()).all(fits);
                 check(fit, place, "its weights and the mesh's morph targets differ in number")?;
             }
@@ -287,7 +331,8 @@ fn validate_particles(parts: &SceneParts) -> Result<(), Fault> {
             check(finite, place, "a particle's motion or size is not finite")?;
             check((0.0..=1.0).contains(&particle.alpha), place, "a particle's alpha is not in [0, 1]")?;
             let lives = particle.lifetime_secs > 0.0
-                && (particle.lifetime_secs.is_finite() || (system.fade == [0.0; 2] && system.loop_secs.is_none()));
+                && (particle.lifetime_secs.is_finite()
+                    || (system.fade == [0.0; 2] && system.loop_secs.is_none()));
             check(lives, place, "a particle's lifetime is not positive, or endless with a fade or a loop")?;
         }
     }
@@ -323,21 +368,19 @@ fn validate_view(parts: &SceneParts) -> Result<(), Fault> {
     check(parts.exposure > 0.0 && parts.exposure.is_finite(), || "exposure".to_owned(), "it is not positive")
 }
 
-/// Sphere around all meshes at rest and all particles at birth; the unit sphere if there is nothing.
-fn bounds_at_rest(parts: &SceneParts) -> (Vec3, f32) {
+/// Corners of a box around everything at rest; the unit cube if there is nothing.
+fn bounds_at_rest(parts: &SceneParts) -> [Vec3; 2] {
     let mut low = Vec3::INFINITY;
     let mut high = Vec3::NEG_INFINITY;
-    let mut grow = |point: Vec3| {
+    for_each_point_at_rest(parts, &mut |point| {
         low = low.min(point);
         high = high.max(point);
-    };
-    crate::frame::for_each_vertex_at_rest(parts, &mut grow);
-    for particle in parts.particles.iter().flat_map(|system| &system.particles) {
-        grow(particle.origin);
-    }
-    if low.x > high.x {
-        return (Vec3::ZERO, 1.0);
-    }
-    let radius = 0.5 * (high - low).length();
-    (0.5 * (low + high), radius.max(1e-6))
+    });
+    if low.x > high.x { [Vec3::splat(-0.5), Vec3::splat(0.5)] } else { [low, high] }
+}
+
+/// Calls `visit` with each vertex at time zero and each particle's origin, in world.
+fn for_each_point_at_rest(parts: &SceneParts, visit: &mut impl FnMut(Vec3)) {
+    crate::frame::for_each_vertex_at_rest(parts, visit);
+    parts.particles.iter().flat_map(|system| &system.particles).for_each(|particle| visit(particle.origin));
 }
