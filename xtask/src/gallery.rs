@@ -82,14 +82,7 @@ impl Gallery {
     fn picture(&self, file: &Path, time_secs: f32, out: &Path) -> anyhow::Result<String> {
         let png = out.with_extension("png");
         let mut command = Command::new(root().join("target/release/sheer"));
-        command.arg("render").arg(file).args([
-            "-m",
-            "baseline",
-            "-a",
-            "accumulate",
-            "--size",
-            SIZE,
-        ]);
+        command.arg("render").arg(file).args(["-m", "baseline", "-a", "accumulate", "--size", SIZE]);
         command
             .args(["--frames", &self.frames.to_string(), "--time", &time_secs.to_string(), "-o"])
             .arg(&png);
@@ -107,58 +100,8 @@ impl Gallery {
         )?;
         fs::write(out, bytes)?;
         let lead = format!("sheer: warning: {}: ", file.display());
-        let remarks = talk.lines().filter_map(|line| line.strip_prefix(&lead)).map(|line| line.replace('|', "\\|"));
-        Ok(remarks) => {
-                    self.picture(file, self.later, &second)?;
-                    let moves = fs::read(&first)? != fs::read(&second)?;
-                    if !moves {
-                        fs::remove_file(&second)?;
-                    }
-                    let later = if moves { format!("![]({name}/{stem}-later.jpg)") } else { String::new() };
-                    sheet += &format!("| {title} | ![]({name}/{stem}.jpg) | {later} | {remarks} |\n");
-                    eprintln!("{title}: {:.1} s", start.elapsed().as_secs_f32());
-                }
-                Err(error) => {
-                    eprintln!("{title}: {error:#}");
-                    failed.push(title);
-                }
-            }
-        }
-        fs::write(self.out.with_extension("md"), sheet)?;
-        ensure!(failed.is_empty(), "{} of {} files failed: {}", failed.len(), files.len(), failed.join(", "));
-        Ok(())
-    }
-
-    /// Renders a file at a time into a JPEG; returns the renderer's warnings.
-    fn picture(&self, file: &Path, time_secs: f32, out: &Path) -> anyhow::Result<String> {
-        let png = out.with_extension("png");
-        let mut command = Command::new(root().join("target/release/sheer"));
-        command.arg("render").arg(file).args([
-            "-m",
-            "baseline",
-            "-a",
-            "accumulate",
-            "--size",
-            SIZE,
-        ]);
-        command
-            .args(["--frames", &self.frames.to_string(), "--time", &time_secs.to_string(), "-o"])
-            .arg(&png);
-        let output = command.output()?;
-        let talk = String::from_utf8_lossy(&output.stderr).trim().to_owned();
-        ensure!(output.status.success(), "{talk}");
-        let picture = image::open(&png)?.to_rgb8();
-        fs::remove_file(&png)?;
-        let mut bytes = Vec::new();
-        JpegEncoder::new_with_quality(&mut bytes, JPEG_QUALITY).write_image(
-            &picture,
-            picture.width(),
-            picture.height(),
-            ExtendedColorType::Rgb8,
-        )?;
-        fs::write(out, bytes)?;
         let remarks =
-            talk.lines().map(|line| line.trim_start_matches("sheer: warning: ").replace('|', "\\|"));
+            talk.lines().filter_map(|line| line.strip_prefix(&lead)).map(|line| line.replace('|', "\\|"));
         Ok(remarks.collect::<Vec<_>>().join("<br>"))
     }
 }
