@@ -178,10 +178,10 @@ fn plaster(noise: Noise, uv: Vec2) -> Texel {
     let streaks = Noise { seed: noise.seed + 1 }.fractal(uv, IVec2::new(12, 2), 3);
     let grain = Noise { seed: noise.seed + 2 }.fractal(uv, IVec2::splat(48), 2);
     let patch = smoothstep(0.28, 0.5, Noise { seed: noise.seed + 3 }.fractal(uv, IVec2::splat(2), 4));
-    let value = 0.88 + 0.07 * mottle + 0.05 * streaks + 0.03 * grain - 0.10 * patch;
+    let value = 0.88 + 0.07 * mottle + 0.05 * streaks + 0.03 * grain - 0.045 * patch;
     let warmth = Vec3::new(1.0, 0.985, 0.955).lerp(Vec3::new(0.96, 0.95, 0.94), patch);
     Texel {
-        height: 0.0011 * grain + 0.002 * mottle - 0.0012 * patch,
+        height: 0.0004 * grain + 0.0012 * mottle - 0.0006 * patch,
         roughness: 0.92,
         ..Texel::matt(warmth * value)
     }
@@ -283,7 +283,7 @@ fn cobbles(noise: Noise, uv: Vec2) -> Texel {
     let warp =
         Vec2::new(noise.fractal(uv, IVec2::splat(5), 2), noise.fractal(uv + 0.37, IVec2::splat(5), 2)) * 0.02;
     let cell = Noise { seed: noise.seed + 31 }.cells((uv + warp) * COUNT as f32, IVec2::splat(COUNT), 0.5);
-    let stone = smoothstep(0.03, 0.22, cell.border);
+    let stone = smoothstep(0.02, 0.17, cell.border);
     let dome = (1.0 - (cell.nearest * 1.35).powi(2)).max(0.0);
     let grain = Noise { seed: noise.seed + 32 }.fractal(uv, IVec2::splat(80), 2);
     let dirt = Noise { seed: noise.seed + 33 }.fractal(uv, IVec2::splat(4), 3);

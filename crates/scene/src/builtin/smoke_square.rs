@@ -75,7 +75,7 @@ pub(super) fn build(values: &Values<'_>) -> Result<Scene, SceneError> {
             ],
         },
     });
-    stage.camera(Camera::fixed("static", 0.80, Vec3::new(3.0, 1.72, 15.0), Vec3::new(-1.9, 3.5, -5.0)));
+    stage.camera(Camera::fixed("static", 0.76, Vec3::new(3.0, 1.72, 15.0), Vec3::new(-1.4, 3.7, -5.0)));
     stage.finish()
 }
 

@@ -42,8 +42,8 @@ pub(super) fn towards_sun() -> Vec3 {
 /// A clear sky with the glow around a low sun.
 pub(super) fn sky() -> Environment {
     Environment {
-        zenith: Vec3::new(0.10, 0.27, 0.70),
-        horizon: Vec3::new(0.70, 0.80, 0.88),
+        zenith: Vec3::new(0.08, 0.26, 0.74),
+        horizon: Vec3::new(0.64, 0.78, 0.90),
         ground: Vec3::new(0.20, 0.17, 0.14),
         lobes: vec![
             Lobe { direction: towards_sun(), radiance: Vec3::new(1.5, 1.05, 0.6), sharpness: 9.0 },
@@ -236,13 +236,16 @@ fn put_houses(stage: &mut Stage, palette: &Palette, seed: u32) {
     }
 }
 
-/// A church tower behind the northern row.
+/// The church stands this much higher than the square, so that its dial shows above the roofs.
+const CHURCH_HILL: f32 = 7.0;
+
+/// A church tower at the end of the street to the north.
 fn put_tower(stage: &mut Stage, palette: &Palette, seed: u32) {
     let mut chance = Chance::new(seed, "tower");
     let mut model = Model::default();
     let (half, top) = (2.7, 17.5);
     let stone = model.paint(palette.ashlar, Vec3::new(0.95, 0.92, 0.88));
-    for (low, high) in [(0.0, 10.6), (10.6, top)] {
+    for (low, high) in [(-CHURCH_HILL, 10.6), (10.6, top)] {
         stone.block(Vec3::new(-half, low, -half), Vec3::new(half, high, half));
     }
     for y in [10.5, top] {
@@ -257,7 +260,8 @@ fn put_tower(stage: &mut Stage, palette: &Palette, seed: u32) {
         // Buttress strips, belfry openings with louvres, a dial.
         let strips = face.paint(palette.ashlar, Vec3::splat(0.9));
         for x in [-half - 0.06, half - 0.5] {
-            strips.block(Vec3::new(x, 0.0, half - 0.02), Vec3::new(x + 0.56, top - 0.15, half + 0.14));
+            strips
+                .block(Vec3::new(x, -CHURCH_HILL, half - 0.02), Vec3::new(x + 0.56, top - 0.15, half + 0.14));
         }
         for x in [-0.95, 0.95] {
             let dark = face.paint(palette.timber, Vec3::splat(0.05));
@@ -336,14 +340,14 @@ fn put_tower(stage: &mut Stage, palette: &Palette, seed: u32) {
     );
     // The nave behind it, only its roof seen.
     let nave = model.paint(palette.ashlar, Vec3::splat(0.9));
-    nave.block(Vec3::new(-4.5, 0.0, -20.0), Vec3::new(4.5, 9.5, -half));
+    nave.block(Vec3::new(-4.5, -CHURCH_HILL, -20.0), Vec3::new(4.5, 9.5, -half));
     for side in [1.0, -1.0] {
         let foot = Vec3::new(side * 5.0, 9.2, if side > 0.0 { -half } else { -20.3 });
         let run = Vec3::new(0.0, 0.0, -side * 17.6);
         let plane = Slope { foot, run, up: Vec3::new(-side * 5.0, 5.6, 0.0) };
         plane.cover(&mut model, palette, &mut chance, Covering::Plain, linear_from_hex(0x8a4630), true);
     }
-    stage.put_at("church", model, at(1.7, NORTH - 19.6, 0.0));
+    stage.put_at("church", model, Affine3A::from_translation(Vec3::new(-9.2, CHURCH_HILL, -52.0)));
 }
 
 fn put_trees(stage: &mut Stage, palette: &Palette, seed: u32) {
