@@ -6,7 +6,9 @@ use std::path::PathBuf;
 #[derive(Debug, thiserror::Error)]
 pub enum SceneError {
     /// Neither a built-in scene nor a file with a known extension.
-    #[error("'{0}' is neither a built-in scene nor a .gltf or .glb file; `sheer scenes` lists the built-in ones")]
+    #[error(
+        "'{0}' is neither a built-in scene nor a .gltf or .glb file; `sheer scenes` lists the built-in ones"
+    )]
     Unknown(String),
     /// A built-in scene's parameter is off.
     #[error("scene '{scene}': {problem}; `sheer scenes` lists the parameters")]

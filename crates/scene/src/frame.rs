@@ -304,7 +304,8 @@ impl Frame {
             }
             Look::Rigid { mesh, normal_from_object, vector_from_object } => {
                 let (mesh, vertices) = mesh_of(*mesh);
-                let normal = gather(&mesh.normals, vertices).map(|normals| *normal_from_object * mix(weights, normals));
+                let normal = gather(&mesh.normals, vertices)
+                    .map(|normals| *normal_from_object * mix(weights, normals));
                 let tangent = gather(&mesh.tangents, vertices).map(|tangents| {
                     let tangent = mix(weights, tangents);
                     (*vector_from_object * tangent.xyz()).extend(tangent.w)
@@ -330,7 +331,8 @@ impl Frame {
         normal: Vec3,
         tangent: Option<Vec4>,
     ) -> Attributes<'a> {
-        let tint = gather(&mesh.colours, vertices).map_or(Vec3::ONE, |colours| mix(weights, colours).truncate());
+        let tint =
+            gather(&mesh.colours, vertices).map_or(Vec3::ONE, |colours| mix(weights, colours).truncate());
         let normal = normal.normalize_or(Vec3::Y);
         Attributes { weights, corners, normal, tangent, tint, uvs: CornerUvs::Mesh { mesh, vertices } }
     }
@@ -412,7 +414,8 @@ impl Attributes<'_> {
             return self.normal;
         }
         let bitangent = self.normal.cross(tangent) * bitangent_sign;
-        (tangent * in_tangent.x + bitangent * in_tangent.y + self.normal * in_tangent.z).normalize_or(self.normal)
+        (tangent * in_tangent.x + bitangent * in_tangent.y + self.normal * in_tangent.z)
+            .normalize_or(self.normal)
     }
 
     /// Sign of `normal × tangent` against the direction in which the image's v falls: up in the image is +Y of a normal map.
@@ -430,7 +433,10 @@ fn gather<T: Copy>(list: &[T], vertices: [usize; 3]) -> Option<[T; 3]> {
     (!list.is_empty()).then(|| vertices.map(|vertex| list[vertex]))
 }
 
-fn mix<T: std::ops::Mul<f32, Output = T> + std::ops::Add<Output = T>>(weights: [f32; 3], [a, b, c]: [T; 3]) -> T {
+fn mix<T: std::ops::Mul<f32, Output = T> + std::ops::Add<Output = T>>(
+    weights: [f32; 3],
+    [a, b, c]: [T; 3],
+) -> T {
     a * weights[0] + b * weights[1] + c * weights[2]
 }
 
@@ -563,7 +569,9 @@ impl Animator {
         let look = if deforms {
             let first_normal = (!mesh.normals.is_empty()).then_some(frame.deformed_normals.len() as u32);
             let positions = deform(parts, pose, index, world_from_object, &mut frame.deformed_normals);
-            frame.triangles.extend(mesh.indices.iter().map(|corners| corners.map(|corner| positions[corner as usize])));
+            frame
+                .triangles
+                .extend(mesh.indices.iter().map(|corners| corners.map(|corner| positions[corner as usize])));
             Look::Deformed { mesh: instance.mesh, first_normal }
         } else {
             let vector_from_object = Mat3::from(world_from_object.matrix3);
@@ -593,7 +601,8 @@ impl Animator {
         }
         for corners in &mesh.indices {
             let vertices = corners.map(|corner| corner as usize);
-            let alpha = gather(&mesh.colours, vertices).map_or([1.0; 3], |colours| colours.map(|colour| colour.w));
+            let alpha =
+                gather(&mesh.colours, vertices).map_or([1.0; 3], |colours| colours.map(|colour| colour.w));
             let uvs = |used: &TextureRef| corner_uvs(mesh, vertices, used.uv_set);
             frame.opacity_slot.push(flags | frame.opacities.len() as u32);
             frame.opacities.push(TriangleOpacity::new(material, alpha, uvs));
@@ -651,7 +660,8 @@ impl TriangleOpacity {
     fn new(material: &Material, vertex_alpha: [f32; 3], uvs: impl Fn(&TextureRef) -> [Vec2; 3]) -> Self {
         let opaque = material.alpha_mode == AlphaMode::Opaque;
         let texture = material.base_colour_texture.filter(|_| !opaque);
-        let uv = texture.map_or([Vec2::ZERO; 3], |used| uvs(&used).map(|uv| used.transform.transform_point2(uv)));
+        let uv =
+            texture.map_or([Vec2::ZERO; 3], |used| uvs(&used).map(|uv| used.transform.transform_point2(uv)));
         Self {
             uv,
             alpha: if opaque { [1.0; 3] } else { vertex_alpha.map(|alpha| alpha * material.base_colour.w) },
@@ -701,7 +711,10 @@ fn deform(
     let mut positions = mesh.positions.clone();
     let mut own_normals = mesh.normals.clone();
     for (target, &weight) in mesh.morph_targets.iter().zip(weights).filter(|(_, weight)| **weight != 0.0) {
-        positions.iter_mut().zip(&target.positions).for_each(|(position, delta)| *position += *delta * weight);
+        positions
+            .iter_mut()
+            .zip(&target.positions)
+            .for_each(|(position, delta)| *position += *delta * weight);
         own_normals.iter_mut().zip(&target.normals).for_each(|(normal, delta)| *normal += *delta * weight);
     }
 
@@ -749,14 +762,21 @@ impl NodePose {
         let mut local: Vec<Transform> = parts.nodes.iter().map(|node| node.transform).collect();
         let mut morph_weights = Vec::new();
         for animation in &parts.animations {
-            let duration_secs = animation.channels.iter().map(|channel| channel.track.end_secs()).fold(0.0, f32::max);
+            let duration_secs =
+                animation.channels.iter().map(|channel| channel.track.end_secs()).fold(0.0, f32::max);
             let time_secs = if duration_secs > 0.0 { time_secs.rem_euclid(duration_secs) } else { time_secs };
             for channel in &animation.channels {
                 match (&channel.track, &mut local[channel.node as usize]) {
-                    (Track::Translation(keys), Transform::Trs { translation, .. }) => *translation = value_at(keys, time_secs),
-                    (Track::Rotation(keys), Transform::Trs { rotation, .. }) => *rotation = unit(value_at(keys, time_secs)),
+                    (Track::Translation(keys), Transform::Trs { translation, .. }) => {
+                        *translation = value_at(keys, time_secs)
+                    }
+                    (Track::Rotation(keys), Transform::Trs { rotation, .. }) => {
+                        *rotation = unit(value_at(keys, time_secs))
+                    }
                     (Track::Scale(keys), Transform::Trs { scale, .. }) => *scale = value_at(keys, time_secs),
-                    (Track::MorphWeights(keys), _) => morph_weights.push((channel.node, value_at(keys, time_secs))),
+                    (Track::MorphWeights(keys), _) => {
+                        morph_weights.push((channel.node, value_at(keys, time_secs)))
+                    }
                     // Validation has refused animated matrices.
                     (_, Transform::Matrix(_)) => {}
                 }
@@ -830,7 +850,9 @@ pub(crate) fn for_each_vertex_at_rest(parts: &SceneParts, visit: &mut impl FnMut
         let mesh = &parts.meshes[instance.mesh as usize];
         let world_from_object = pose.world_from_node[instance.node as usize] * instance.node_from_object;
         if instance.skin.is_some() || !mesh.morph_targets.is_empty() {
-            deform(parts, &pose, index as u32, world_from_object, &mut Vec::new()).into_iter().for_each(&mut *visit);
+            deform(parts, &pose, index as u32, world_from_object, &mut Vec::new())
+                .into_iter()
+                .for_each(&mut *visit);
         } else {
             mesh.positions.iter().for_each(|&position| visit(world_from_object.transform_point3(position)));
         }

@@ -71,7 +71,8 @@ pub enum Transform {
 
 impl Transform {
     /// The identity.
-    pub const IDENTITY: Self = Self::Trs { translation: Vec3::ZERO, rotation: Quat::IDENTITY, scale: Vec3::ONE };
+    pub const IDENTITY: Self =
+        Self::Trs { translation: Vec3::ZERO, rotation: Quat::IDENTITY, scale: Vec3::ONE };
 
     /// A pure translation.
     #[must_use]

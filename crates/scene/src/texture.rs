@@ -88,7 +88,8 @@ impl Sampler {
         let (columns, fx) = neighbours(uv.x, self.image.width() as usize, self.wrap[0], self.filter);
         let (rows, fy) = neighbours(uv.y, self.image.height() as usize, self.wrap[1], self.filter);
         let texel = |column: usize, row: usize| {
-            let [r, g, b, a] = self.image.as_slice()[row * self.image.width() as usize + column].map(usize::from);
+            let [r, g, b, a] =
+                self.image.as_slice()[row * self.image.width() as usize + column].map(usize::from);
             Vec4::new(self.decode[r], self.decode[g], self.decode[b], a as f32 / 255.0)
         };
         let row = |row: usize| texel(columns[0], row).lerp(texel(columns[1], row), fx);
@@ -99,7 +100,8 @@ impl Sampler {
     pub(crate) fn sample_alpha(&self, uv: Vec2) -> f32 {
         let (columns, fx) = neighbours(uv.x, self.image.width() as usize, self.wrap[0], self.filter);
         let (rows, fy) = neighbours(uv.y, self.image.height() as usize, self.wrap[1], self.filter);
-        let texel = |column: usize, row: usize| f32::from(self.alpha[row * self.image.width() as usize + column]);
+        let texel =
+            |column: usize, row: usize| f32::from(self.alpha[row * self.image.width() as usize + column]);
         let row = |row: usize| {
             let (left, right) = (texel(columns[0], row), texel(columns[1], row));
             left + (right - left) * fx
@@ -114,8 +116,15 @@ mod tests {
     use super::*;
 
     fn sampler(wrap: Wrap, filter: Filter) -> Sampler {
-        let image = Image::from_fn(2, 1, |x, _| if x == 0 { [0, 0, 0, 0] } else { [255, 255, 255, 255] }).unwrap();
-        Sampler::new(&Texture { name: String::new(), image: Arc::new(image), srgb: true, wrap: [wrap; 2], filter })
+        let image =
+            Image::from_fn(2, 1, |x, _| if x == 0 { [0, 0, 0, 0] } else { [255, 255, 255, 255] }).unwrap();
+        Sampler::new(&Texture {
+            name: String::new(),
+            image: Arc::new(image),
+            srgb: true,
+            wrap: [wrap; 2],
+            filter,
+        })
     }
 
     #[test]
