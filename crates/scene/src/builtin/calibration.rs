@@ -1,4 +1,4 @@
-//! `calibration`: ten opacity levels, each above the opaque grey that it has to match (STD Fig. 2, with which Eq. 5 was fitted).
+//! `calibration`: ten opacity levels, each above the opaque grey of the same value (STD Fig. 2, to which Eq. 5 was fitted).
 
 use glam::{Vec3, Vec4};
 

@@ -1,8 +1,8 @@
 //! Built-in scenes, one file a scene, made from seeded parts so that the same text gives the same bits everywhere.
 //!
 //! A scene is a row of the table in [`catalogue`]: its description, its parameters and the function that builds it. A new scene is a new
-//! file and a new row. What scenes share lies beside them: [`stage`] puts parts together, [`shape`] models, [`paint`] makes textures,
-//! [`palette`] holds the materials of the town; [`house`], [`foliage`], [`furniture`], [`square`] and [`smoke`] are what stands in it.
+//! file and a new row. What scenes share lies beside them: `stage` puts parts together, `shape` models, `paint` makes textures, `palette`
+//! holds the materials of the town; `house`, `foliage`, `furniture`, `square` and `smoke` are what stands in it.
 
 use std::fmt;
 
@@ -102,7 +102,7 @@ pub fn catalogue() -> &'static [BuiltinInfo] {
         },
         BuiltinInfo {
             name: "calibration",
-            title: "ten opacity levels over black, each above the opaque grey it has to match",
+            title: "ten opacity levels over black, each above the opaque grey of the same value",
             source: "STD Fig. 2",
             parameters: calibration::PARAMETERS,
             build: calibration::build,

@@ -2,6 +2,7 @@
 
 use glam::{Affine2, IVec2, Vec2, Vec3, Vec4};
 use sheer_core::colour::linear_from_hex;
+use sheer_image::Image;
 
 use super::{
     foliage,
@@ -114,7 +115,7 @@ impl Easel<'_> {
         })
     }
 
-    fn cut_out(&mut self, name: &str, image: sheer_image::Image<[u8; 4]>) -> u32 {
+    fn cut_out(&mut self, name: &str, image: Image<[u8; 4]>) -> u32 {
         let texture = TextureRef::new(self.stage.texture(name, image, true));
         self.stage.material(Material {
             name: name.to_owned(),
@@ -142,11 +143,7 @@ impl Easel<'_> {
         let image = paint_colour(256, |uv| {
             let weave = 0.93 + 0.07 * noise.fractal(uv, IVec2::new(32, 32), 2);
             let stripe = smoothstep(0.23, 0.26, uv.x) - smoothstep(0.74, 0.77, uv.x);
-            (
-                Vec3::splat(weave).lerp(Vec3::new(0.92, 0.86, 0.74) * weave, 0.0) * (1.0 - stripe)
-                    + Vec3::new(0.42, 0.07, 0.05) * stripe * weave,
-                1.0,
-            )
+            (Vec3::ONE.lerp(Vec3::new(0.42, 0.07, 0.05), stripe) * weave, 1.0)
         });
         let texture = TextureRef {
             transform: Affine2::from_scale(Vec2::splat(1.0 / 0.5)),

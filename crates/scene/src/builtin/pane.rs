@@ -1,6 +1,6 @@
 //! `pane`: one transparent pane in the town square, for how a constant alpha behaves under a still and a moving camera (STD Fig. 6, 7).
 
-use glam::{Vec3, Vec4};
+use glam::{Affine3A, Quat, Vec3, Vec4};
 
 use super::{ParameterInfo, ParameterRange, SEED, Values, shape::Model, square, stage::Stage};
 use crate::{
@@ -45,10 +45,7 @@ pub(super) fn build(values: &Values<'_>) -> Result<Scene, SceneError> {
     for y in [low.y - 0.04, high.y + 0.04] {
         iron.beam(Vec3::new(low.x, y, 0.0), Vec3::new(high.x, y, 0.0), Vec3::Y, 0.08, 0.08);
     }
-    let place = glam::Affine3A::from_rotation_translation(
-        glam::Quat::from_rotation_y(-0.12),
-        Vec3::new(2.4, 0.0, 5.0),
-    );
+    let place = Affine3A::from_rotation_translation(Quat::from_rotation_y(-0.12), Vec3::new(2.4, 0.0, 5.0));
     stage.put_at("frame", frame, place);
     let mut pane = Model::default();
     pane.paint(material, Vec3::ONE).panel(low, Vec3::X * (high.x - low.x), Vec3::Y * (high.y - low.y));
