@@ -1,0 +1,259 @@
+//! What an animator makes of a scene and a time.
+
+use std::sync::Arc;
+
+use glam::{Affine3A, Quat, Vec2, Vec3, Vec4};
+use sheer_image::Image;
+use sheer_scene::{
+    Animator, Camera, CameraChoice, FaceSide, Frame, Scene,
+    model::{
+        AlphaMode, Animation, Channel, Influence, Instance, Interpolation, Keys, Material, Mesh, MorphTarget,
+        Node, SceneParts, Skin, Texture, TextureRef, Track, Transform, Wrap,
+    },
+    particle::{Particle, ParticleSystem, Turbulence},
+};
+
+/// A quad in the xy plane, two triangles, facing +Z.
+fn quad() -> Mesh {
+    Mesh {
+        positions: [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
+            .map(|(x, y)| Vec3::new(x, y, 0.0))
+            .into(),
+        uv_sets: vec![vec![Vec2::Y, Vec2::ONE, Vec2::X, Vec2::ZERO]],
+        indices: vec![[0, 1, 2], [0, 2, 3]],
+        ..Mesh::default()
+    }
+}
+
+fn parts_with(mesh: Mesh, material: Material, transform: Transform) -> SceneParts {
+    SceneParts {
+        name: "test".to_owned(),
+        nodes: vec![Node { name: String::new(), parent: None, transform }],
+        instances: vec![Instance {
+            node: 0,
+            node_from_object: Affine3A::IDENTITY,
+            mesh: 0,
+            id: 7,
+            geometry: 0,
+            skin: None,
+            morph_weights: vec![0.0; mesh.morph_targets.len()],
+        }],
+        meshes: vec![mesh],
+        materials: vec![material],
+        exposure: 1.0,
+        ..SceneParts::default()
+    }
+}
+
+fn animator(parts: SceneParts) -> Animator {
+    let scene = Arc::new(Scene::new(parts).unwrap());
+    let camera = scene.camera(&CameraChoice::Default).unwrap();
+    Animator::new(scene, camera)
+}
+
+fn sliding(keys: [Vec3; 2]) -> Vec<Animation> {
+    let keys = Keys { times_secs: vec![0.0, 1.0], values: keys.into(), interpolation: Interpolation::Linear };
+    vec![Animation {
+        name: String::new(),
+        channels: vec![Channel { node: 0, track: Track::Translation(keys) }],
+    }]
+}
+
+#[test]
+fn what_never_moves_comes_first_and_stays() {
+    let mut parts = parts_with(quad(), Material::default(), Transform::IDENTITY);
+    let mut still = parts.instances[0].clone();
+    still.id = 8;
+    still.node = 1;
+    parts.nodes.push(Node { name: String::new(), parent: None, transform: Transform::IDENTITY });
+    parts.instances.push(still);
+    parts.animations = sliding([Vec3::ZERO, Vec3::X]);
+    let mut animator = animator(parts);
+    let frame = animator.advance(0.5, 0.25);
+    assert_eq!((frame.static_count(), frame.triangles().len()), (2, 4));
+    assert_eq!((frame.object(0).id, frame.object(2).id), (8, 7));
+    assert_eq!(frame.triangles()[2][0], Vec3::new(-0.5, -1.0, 0.0));
+}
+
+#[test]
+fn surfaces_know_where_they_were() {
+    let mut parts = parts_with(quad(), Material::default(), Transform::IDENTITY);
+    parts.animations = sliding([Vec3::ZERO, Vec3::new(2.0, 0.0, 0.0)]);
+    let mut animator = animator(parts);
+    let surface = animator.advance(0.5, 0.25).surface(0, 0.2, 0.3, true);
+    assert!((surface.position - surface.previous_position - Vec3::new(0.5, 0.0, 0.0)).length() < 1e-6);
+    let surface = animator.advance(0.5, 0.5).surface(0, 0.2, 0.3, true);
+    assert_eq!(surface.position, surface.previous_position);
+}
+
+#[test]
+fn a_mirrored_instance_shows_its_front_where_it_was_mirrored_to() {
+    let mirror = Transform::Trs {
+        translation: Vec3::ZERO,
+        rotation: Quat::IDENTITY,
+        scale: Vec3::new(-1.0, 1.0, 1.0),
+    };
+    let frame = animator(parts_with(quad(), Material::default(), mirror));
+    let frame = frame.frame();
+    // Seen from +Z the mirrored triangle runs clockwise, and is still the front.
+    assert_eq!(frame.side(0, false), FaceSide::Front);
+    assert_eq!(frame.opacity_for_camera(0, 0.3, 0.3, false), 1.0);
+    assert_eq!(frame.opacity_for_camera(0, 0.3, 0.3, true), 0.0, "single-sided");
+    assert_eq!(frame.opacity(0, 0.3, 0.3), 1.0, "light is stopped by either side");
+    let surface = frame.surface(0, 0.3, 0.3, false);
+    assert!((surface.normal - Vec3::Z).length() < 1e-6, "{surface:?}");
+}
+
+#[test]
+fn alpha_modes_mean_what_they_say() {
+    let image =
+        Arc::new(Image::from_fn(2, 1, |x, _| [255, 255, 255, if x == 0 { 51 } else { 204 }]).unwrap());
+    let texture = Texture {
+        name: String::new(),
+        image,
+        srgb: true,
+        wrap: [Wrap::ClampToEdge; 2],
+        filter: sheer_scene::model::Filter::Nearest,
+    };
+    let opacities = |alpha_mode, whole: Option<f32>| {
+        let material = Material {
+            alpha_mode,
+            base_colour: Vec4::new(1.0, 1.0, 1.0, 0.5),
+            base_colour_texture: Some(TextureRef::new(0)),
+            ..Material::default()
+        };
+        let mut parts = parts_with(quad(), material, Transform::IDENTITY);
+        parts.textures = vec![texture.clone()];
+        let scene = Scene::new(parts).unwrap();
+        let scene = Arc::new(whole.map_or(scene.clone(), |alpha| scene.with_alpha(alpha)));
+        let camera = scene.camera(&CameraChoice::Default).unwrap();
+        let animator = Animator::new(scene, camera);
+        // The second triangle's corners lie at u = 0, 1, 0: near the first and near the second.
+        [animator.frame().opacity(1, 0.05, 0.05), animator.frame().opacity(1, 0.9, 0.05)]
+    };
+    let close = |found: [f32; 2], expected: [f32; 2]| {
+        assert!((found[0] - expected[0]).abs() < 1e-6 && (found[1] - expected[1]).abs() < 1e-6, "{found:?}");
+    };
+    close(opacities(AlphaMode::Opaque, None), [1.0, 1.0]);
+    close(opacities(AlphaMode::Blend, None), [0.1, 0.4]);
+    close(opacities(AlphaMode::Mask { cutoff: 0.3 }, None), [0.0, 1.0]);
+    close(opacities(AlphaMode::Opaque, Some(0.3)), [0.3, 0.3]);
+    close(opacities(AlphaMode::Blend, Some(0.5)), [0.1, 0.4]);
+    close(opacities(AlphaMode::Mask { cutoff: 0.3 }, Some(0.25)), [0.0, 0.25]);
+}
+
+#[test]
+fn skins_and_morphs_bend_positions_and_normals() {
+    let mut mesh = quad();
+    mesh.normals = vec![Vec3::Z; 4];
+    mesh.influences_per_vertex = 4;
+    let bound = Influence { joint: 0, weight: 1.0 };
+    mesh.influences = [bound, Influence::default(), Influence::default(), Influence::default()].repeat(4);
+    mesh.morph_targets = vec![MorphTarget { positions: vec![Vec3::Z; 4], normals: Vec::new() }];
+    let mut parts = parts_with(mesh, Material::default(), Transform::from_translation(Vec3::splat(100.0)));
+    let quarter = Quat::from_rotation_y(std::f32::consts::FRAC_PI_2);
+    parts.nodes.push(Node {
+        name: "joint".to_owned(),
+        parent: None,
+        transform: Transform::Trs { translation: Vec3::Y, rotation: quarter, scale: Vec3::ONE },
+    });
+    parts.skins = vec![Skin { name: String::new(), joints: vec![1], inverse_bind: vec![Affine3A::IDENTITY] }];
+    parts.instances[0].skin = Some(0);
+    parts.instances[0].morph_weights = vec![0.5];
+    let animator = animator(parts);
+    let surface = animator.frame().surface(0, 0.0, 0.0, true);
+    // Morphed to z = 0.5, then turned so that z becomes x, then lifted; the node's own place does not count.
+    assert!((surface.position - Vec3::new(0.5, 0.0, 1.0)).length() < 1e-5, "{:?}", surface.position);
+    assert!((surface.normal - Vec3::X).length() < 1e-5, "{:?}", surface.normal);
+}
+
+fn particles() -> SceneParts {
+    let mut parts = parts_with(quad(), Material::default(), Transform::IDENTITY);
+    parts.materials.push(Material { alpha_mode: AlphaMode::Blend, ..Material::default() });
+    parts.particles = vec![ParticleSystem {
+        name: "puffs".to_owned(),
+        material: 1,
+        atlas: [1, 1],
+        particles: vec![
+            Particle {
+                birth_secs: 0.0,
+                lifetime_secs: 2.0,
+                origin: Vec3::ZERO,
+                velocity: Vec3::X,
+                acceleration: Vec3::ZERO,
+                half_size: [0.5, 0.5],
+                rotation_rad: 0.0,
+                spin_rad_per_sec: 0.0,
+                alpha: 0.4,
+                tint: Vec3::ONE,
+                tile: 0,
+            };
+            3
+        ],
+        loop_secs: None,
+        turbulence: Turbulence::default(),
+        fade: [0.0, 0.0],
+        near_fade: [0.0, 0.0],
+    }];
+    parts.particles[0].particles[1].birth_secs = 1.5;
+    parts.cameras = vec![Camera::fixed("static", 0.8, Vec3::new(3.0, 2.0, 9.0), Vec3::ZERO)];
+    parts
+}
+
+#[test]
+fn particles_face_the_camera_live_and_die_and_keep_their_identity() {
+    let mut animator = animator(particles());
+    let ids = |frame: &Frame| -> Vec<u32> {
+        let quads = frame.static_count()..frame.triangles().len();
+        quads.step_by(2).map(|triangle| frame.object(triangle as u32).id).collect()
+    };
+    assert_eq!(ids(animator.advance(1.0, 1.0)), [8, 10], "the second is not born");
+    assert_eq!(ids(animator.advance(1.75, 1.75)), [8, 9, 10]);
+    assert_eq!(ids(animator.advance(2.5, 2.5)), [9], "two have died");
+
+    let frame = animator.advance(1.0, 0.9);
+    let triangle = frame.static_count() as u32;
+    let [a, b, c] = frame.triangles()[triangle as usize];
+    let normal = (b - a).cross(c - a).normalize();
+    assert!((normal + frame.camera().forward()).length() < 1e-5, "{normal}");
+    assert!((frame.opacity(triangle, 0.2, 0.2) - 0.4).abs() < 1e-6);
+    let surface = frame.surface(triangle, 0.2, 0.2, true);
+    assert!((surface.position - surface.previous_position - Vec3::X * 0.1).length() < 1e-5);
+}
+
+#[test]
+fn a_made_up_view_holds_the_whole_scene_and_fills_the_picture() {
+    let transform = Transform::from_translation(Vec3::new(40.0, -3.0, 7.0));
+    let animator = animator(parts_with(quad(), Material::default(), transform));
+    let size = Vec2::new(960.0, 540.0);
+    let corners = animator.frame().triangles().iter().flatten();
+    let seen: Vec<Vec2> =
+        corners.map(|&corner| animator.frame().camera().project(corner, size).unwrap()).collect();
+    assert!(seen.iter().all(|at| at.cmpge(Vec2::ZERO).all() && at.cmple(size).all()), "{seen:?}");
+    let height = seen.iter().map(|at| (at.y - 270.0).abs()).fold(0.0, f32::max);
+    assert!(height > 0.7 * 270.0, "{seen:?}");
+}
+
+#[test]
+fn scenes_with_a_fault_are_refused_with_its_place() {
+    let fault = |break_it: &dyn Fn(&mut SceneParts)| {
+        let mut parts = particles();
+        break_it(&mut parts);
+        Scene::new(parts).unwrap_err().to_string()
+    };
+    assert!(
+        fault(&|parts| parts.meshes[0].indices[1][2] = 4).contains("mesh 0 '': an index is out of range")
+    );
+    assert!(fault(&|parts| parts.meshes[0].positions[0].y = f32::NAN).contains("a position is not finite"));
+    assert!(fault(&|parts| parts.nodes[0].parent = Some(0)).contains("node 0 '': its parent"));
+    assert!(
+        fault(&|parts| parts.materials[1].roughness = 1.5)
+            .contains("material 1 '': a factor is not in [0, 1]")
+    );
+    assert!(
+        fault(&|parts| parts.particles[0].particles[2].alpha = -1.0).contains("particle system 0 'puffs'")
+    );
+    assert!(fault(&|parts| parts.instances[0].morph_weights.push(0.0)).contains("instance 0: morph weights"));
+    assert!(fault(&|parts| parts.exposure = 0.0).contains("exposure"));
+    assert!(Scene::new(particles()).is_ok(), "and without a fault it is taken");
+}
