@@ -77,12 +77,12 @@ pub(super) fn build(values: &Values<'_>) -> Result<Scene, SceneError> {
     let key = |time_secs, eye, target| CameraKey { time_secs, eye, target };
     stage.camera(Camera {
         name: "path".to_owned(),
-        lens: Lens::Perspective { yfov_rad: 0.62 },
+        lens: Lens::Perspective { yfov_rad: 0.68 },
         motion: CameraMotion::Path {
             keys: vec![
-                key(0.0, Vec3::new(5.2, 1.6, 9.6), Vec3::new(0.4, 2.9, 0.0)),
-                key(5.0, Vec3::new(0.6, 2.4, 10.4), Vec3::new(0.4, 3.1, 0.0)),
-                key(10.0, Vec3::new(-4.6, 3.2, 9.0), Vec3::new(0.3, 3.2, 0.0)),
+                key(0.0, Vec3::new(5.6, 1.5, 10.4), Vec3::new(0.5, 3.4, 0.0)),
+                key(5.0, Vec3::new(0.6, 2.2, 11.6), Vec3::new(0.5, 3.5, 0.0)),
+                key(10.0, Vec3::new(-5.0, 3.0, 10.6), Vec3::new(0.6, 3.4, 0.0)),
             ],
         },
     });
