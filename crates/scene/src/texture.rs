@@ -15,6 +15,8 @@ pub(crate) struct Sampler {
     /// The alpha channel alone: a quarter of the memory traffic where most lookups happen.
     alpha: Vec<u8>,
     decode: &'static [f32; 256],
+    /// Width and height, texels.
+    size: [usize; 2],
     wrap: [Wrap; 2],
     filter: Filter,
 }
@@ -77,6 +79,7 @@ impl Sampler {
         Self {
             alpha: texture.image.as_slice().iter().map(|texel| texel[3]).collect(),
             image: Arc::clone(&texture.image),
+            size: [texture.image.width() as usize, texture.image.height() as usize],
             decode: &decode_tables()[usize::from(texture.srgb)],
             wrap: texture.wrap,
             filter: texture.filter,
@@ -85,29 +88,32 @@ impl Sampler {
 
     /// Linear straight RGBA.
     pub(crate) fn sample(&self, uv: Vec2) -> Vec4 {
-        let (columns, fx) = neighbours(uv.x, self.image.width() as usize, self.wrap[0], self.filter);
-        let (rows, fy) = neighbours(uv.y, self.image.height() as usize, self.wrap[1], self.filter);
-        let texel = |column: usize, row: usize| {
-            let [r, g, b, a] =
-                self.image.as_slice()[row * self.image.width() as usize + column].map(usize::from);
+        let texels = self.image.as_slice();
+        let ([a, b, c, d], [fx, fy]) = self.footprint(uv);
+        let texel = |index: usize| {
+            let [r, g, b, a] = texels[index].map(usize::from);
             Vec4::new(self.decode[r], self.decode[g], self.decode[b], a as f32 / 255.0)
         };
-        let row = |row: usize| texel(columns[0], row).lerp(texel(columns[1], row), fx);
-        row(rows[0]).lerp(row(rows[1]), fy)
+        texel(a).lerp(texel(b), fx).lerp(texel(c).lerp(texel(d), fx), fy)
     }
 
     /// Alpha, 0 to 1.
     pub(crate) fn sample_alpha(&self, uv: Vec2) -> f32 {
-        let (columns, fx) = neighbours(uv.x, self.image.width() as usize, self.wrap[0], self.filter);
-        let (rows, fy) = neighbours(uv.y, self.image.height() as usize, self.wrap[1], self.filter);
-        let texel =
-            |column: usize, row: usize| f32::from(self.alpha[row * self.image.width() as usize + column]);
-        let row = |row: usize| {
-            let (left, right) = (texel(columns[0], row), texel(columns[1], row));
-            left + (right - left) * fx
-        };
-        let (upper, lower) = (row(rows[0]), row(rows[1]));
+        let ([a, b, c, d], [fx, fy]) = self.footprint(uv);
+        let texel = |index: usize| f32::from(self.alpha[index]);
+        let upper = texel(a) + (texel(b) - texel(a)) * fx;
+        let lower = texel(c) + (texel(d) - texel(c)) * fx;
         (upper + (lower - upper) * fy) * (1.0 / 255.0)
+    }
+
+    /// The four texels around a place, row by row, and the weights of the right and the lower ones.
+    #[inline]
+    fn footprint(&self, uv: Vec2) -> ([usize; 4], [f32; 2]) {
+        let [width, height] = self.size;
+        let ([left, right], fx) = neighbours(uv.x, width, self.wrap[0], self.filter);
+        let ([top, bottom], fy) = neighbours(uv.y, height, self.wrap[1], self.filter);
+        let (top, bottom) = (top * width, bottom * width);
+        ([top + left, top + right, bottom + left, bottom + right], [fx, fy])
     }
 }
 
