@@ -3,7 +3,7 @@
 use sheer_render::{Antialiasing, Clock, Pipeline};
 
 use crate::{
-    args::{BenchArguments, Size},
+    args::{BenchArguments, DEFAULT_SIZE},
     output::{self, TextOutput},
     report::{
         json::{self, Benchmark, BenchmarkRow},
@@ -13,14 +13,11 @@ use crate::{
     tally::Tally,
 };
 
-const DEFAULT_SIZE: Size = Size([960, 540]);
-const DEFAULT_FRAMES: u32 = 32;
-
 pub(crate) fn run(arguments: &BenchArguments) -> anyhow::Result<()> {
     let talk = arguments.machine.apply()?;
     let json = arguments.json.as_deref().map(TextOutput::open).transpose()?;
     let settings = arguments.frames.settings(DEFAULT_SIZE);
-    let frame_count = arguments.frames.frames.unwrap_or(DEFAULT_FRAMES);
+    let frame_count = arguments.frames.frames;
     let methods = without_repeats(&arguments.methods);
     let mut opened = arguments.scene.open(arguments.machine, talk)?;
     let stage = &mut opened.stage;

@@ -5,7 +5,7 @@ use sheer_metrics::{Flicker, bias, error_map, flip, psnr_db, rms, ssim};
 use sheer_render::{Antialiasing, Clock, Method, Pipeline, Settings, Stage};
 
 use crate::{
-    args::{CompareArguments, Size},
+    args::{COMPARE_SIZE, CompareArguments},
     output,
     report::{
         comparison::table,
@@ -16,9 +16,6 @@ use crate::{
     tally::Tally,
 };
 
-/// With the default methods and frames, this ends within a minute and a half on two cores of 2023.
-const DEFAULT_SIZE: Size = Size([640, 360]);
-const DEFAULT_FRAMES: u32 = 32;
 /// The method that has no error, in all figures.
 const REFERENCE: &str = "baseline";
 /// Error of a displayed image that error maps show in their last colour.
@@ -28,8 +25,8 @@ pub(crate) fn run(arguments: &CompareArguments) -> anyhow::Result<()> {
     let talk = arguments.machine.apply()?;
     let folder = arguments.output.as_path();
     output::open_folder(folder)?;
-    let settings = arguments.frames.settings(DEFAULT_SIZE);
-    let frame_count = arguments.frames.frames.unwrap_or(DEFAULT_FRAMES);
+    let settings = arguments.frames.settings(COMPARE_SIZE);
+    let frame_count = arguments.frames.frames;
     let methods = with_reference(without_repeats(&arguments.methods))?;
     let antialiasings = without_repeats(&arguments.antialiasings);
     let mut opened = arguments.scene.open(arguments.machine, talk)?;

@@ -5,14 +5,11 @@ use std::path::{Path, PathBuf};
 use sheer_render::{Antialiasing, Pipeline};
 
 use crate::{
-    args::{RenderArguments, Size},
+    args::{DEFAULT_SIZE, RenderArguments},
     output::{self, PictureOutput},
     setup,
     tally::Tally,
 };
-
-const DEFAULT_SIZE: Size = Size([960, 540]);
-const DEFAULT_FRAMES: u32 = 32;
 
 pub(crate) fn run(arguments: &RenderArguments) -> anyhow::Result<()> {
     let talk = arguments.machine.apply()?;
@@ -24,7 +21,7 @@ pub(crate) fn run(arguments: &RenderArguments) -> anyhow::Result<()> {
     // Without anti-aliasing a frame owes nothing to the ones before it.
     let frame_count = match antialiasing {
         Antialiasing::None if !is_sequence => 1,
-        _ => arguments.frames.frames.unwrap_or(DEFAULT_FRAMES),
+        _ => arguments.frames.frames,
     };
     output.check(settings.first_frame)?;
 

@@ -100,9 +100,10 @@
   figures.forEach((figure, index) => {
     for (const { select } of sides) select.add(new Option(figure.dataset.label, String(index)));
   });
-  const reference = figures.findIndex((figure) => figure.dataset.reference === "true");
-  sides[0].select.value = String(figures.length - 1);
-  sides[1].select.value = String(Math.max(0, reference));
+  const right = Math.max(0, figures.findIndex((figure) => figure.classList.contains("reference")));
+  const left = figures.findLastIndex((figure) => figure.dataset.aa === figures[right].dataset.aa);
+  sides[0].select.value = String(left);
+  sides[1].select.value = String(right);
   for (const { select } of sides) select.addEventListener("change", showPictures);
   split.addEventListener("input", showSplit);
   byId("show-picture").addEventListener("click", () => { showsErrors = false; showPictures(); });

@@ -1,4 +1,8 @@
 //! Running the binary.
+#![expect(
+    clippy::unwrap_used,
+    reason = "a test fails by panicking, whether in a test function or on its way there"
+)]
 
 use std::{
     fs,
