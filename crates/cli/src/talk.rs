@@ -37,7 +37,7 @@ impl Talk {
     pub(crate) fn progress(self, steps: u64) -> ProgressBar {
         // indicatif draws nothing where stderr is not a terminal.
         let target = if self.quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
-        let style = ProgressStyle::with_template("{msg:24} {wide_bar} {pos}/{len}  {eta} left");
+        let style = ProgressStyle::with_template("{msg}{wide_bar} {pos}/{len}  {eta} left");
         let style = style.expect("the template names known fields").progress_chars("━╸ ");
         let bar = ProgressBar::with_draw_target(Some(steps), target).with_style(style);
         bar.enable_steady_tick(Duration::from_millis(500));

@@ -1,6 +1,6 @@
 "use strict";
 
-// Viewer: two pictures one over the other, the upper one cut at the divider; one zoom moves both.
+// Viewer: two pictures one over the other, cut at the divider; one zoom moves both.
 (() => {
   const byId = (id) => document.getElementById(id);
   const figures = [...document.querySelectorAll("figure[data-label]")];
@@ -35,6 +35,8 @@
   };
 
   const showSplit = () => {
+    // Both are cut: a transparent picture must not show the other one beneath it.
+    byId("left-half").style.clipPath = `inset(0 ${100 - split.value}% 0 0)`;
     byId("right-half").style.clipPath = `inset(0 0 0 ${split.value}%)`;
     byId("divider").style.left = `${split.value}%`;
   };

@@ -40,7 +40,7 @@ pub(crate) fn run(arguments: &VerifyArguments) -> anyhow::Result<()> {
     let progress = talk.progress(groups.len() as u64);
     let mut checks = Vec::new();
     for (name, group) in groups {
-        progress.set_message(name);
+        progress.set_message(format!("{name:<18}"));
         checks.extend(group(threads)?);
         progress.inc(1);
     }
