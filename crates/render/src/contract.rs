@@ -56,6 +56,9 @@ pub struct Site<const N: usize> {
     pub position: [[f32; N]; 3],
 }
 
+/// Side of the blue noise tile, pixels.
+pub const BLUE_NOISE_SIDE: u32 = 64;
+
 /// Tables that thresholds are made from, built once a process.
 #[derive(Clone, Copy, Debug)]
 pub struct Tables {
@@ -70,6 +73,14 @@ impl Tables {
     #[must_use]
     pub fn get() -> Self {
         Self { std_maps: std_maps(), blue_noise: blue_noise_64().values() }
+    }
+
+    /// The blue noise of a pixel, in (0, 1): `BlueNoise64x64Tex[pixel % 64]` of STD Listings 1 and 4.
+    #[must_use]
+    #[inline]
+    pub fn blue_noise_at(&self, pixel: [u32; 2]) -> f32 {
+        let [x, y] = pixel.map(|coordinate| coordinate % BLUE_NOISE_SIDE);
+        self.blue_noise[(y * BLUE_NOISE_SIDE + x) as usize]
     }
 }
 

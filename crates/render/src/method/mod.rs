@@ -85,6 +85,7 @@ methods! {
     baseline::Baseline,
     roulette::Roulette,
     std::Std,
+    dtaa::Dtaa,
 }
 
 impl fmt::Display for Method {

@@ -22,9 +22,6 @@ pub const INFO: MethodInfo = MethodInfo {
     alignment_px: 3,
 };
 
-/// Side of the blue noise tile, pixels.
-const BLUE_NOISE_SIDE: u32 = 64;
-
 /// Spatio-temporal dithering.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Std {
@@ -62,9 +59,7 @@ impl Threshold for Std {
             let object = [site.instance[lane], site.geometry[lane], site.back[lane]];
             let map = &tables.std_maps[self.map_index(object, site.seed, tables.std_maps.len())];
             let stratum = threshold_index(map, pixel, site.frame);
-            let [x, y] = pixel.map(|coordinate| coordinate % BLUE_NOISE_SIDE);
-            let blue = tables.blue_noise[(y * BLUE_NOISE_SIDE + x) as usize];
-            (f32::from(stratum) + blue) / 9.0
+            (f32::from(stratum) + tables.blue_noise_at(pixel)) / 9.0
         })
     }
 }

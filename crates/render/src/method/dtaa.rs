@@ -1,0 +1,81 @@
+//! Dither Temporal AA of Unreal Engine 4: thresholds from a 5×5 map that walks over the screen, the same for all objects (STD section 2.2,
+//! Listing 1).
+
+use std::array;
+
+use sheer_core::parameter::Values;
+
+use crate::contract::{BLUE_NOISE_SIDE, MethodInfo, Site, Tables, Threshold, Visitor};
+
+/// Its entry in the table.
+pub const INFO: MethodInfo = MethodInfo {
+    id: "dtaa",
+    title: "five thresholds dithered over space and time, one map for all objects; one shaded fragment a pixel",
+    paper: "Epic Games, DitherTemporalAA; Brüll, Kern, Grosch (STD), section 2.2",
+    bias: "stacked layers share their thresholds: whatever is no more opaque than what lies before it is never seen",
+    parameters: &[],
+    alignment_px: SIDE,
+};
+
+/// Rows and columns of the map, and how many thresholds it has.
+pub(super) const SIDE: u32 = 5;
+
+/// Columns after which both the map and the blue noise repeat.
+const PERIOD_PX: u32 = SIDE * BLUE_NOISE_SIDE;
+
+/// Dither Temporal AA.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Dtaa;
+
+impl Dtaa {
+    pub(crate) fn new(_: &Values) -> Self {
+        Self
+    }
+
+    pub(crate) fn accept<V: Visitor>(&self, visitor: V) -> V::Output {
+        visitor.threshold(self)
+    }
+}
+
+impl Threshold for Dtaa {
+    #[inline]
+    fn threshold<const N: usize>(&self, site: &Site<N>, tables: &Tables) -> [f32; N] {
+        array::from_fn(|lane| {
+            // The listing draws nothing at random. A seed moves the whole pattern sideways, seed 0 leaves it in place.
+            let pixel = [site.pixel[0][lane] + site.seed % PERIOD_PX, site.pixel[1][lane]];
+            (stratum(pixel, site.frame) as f32 + tables.blue_noise_at(pixel)) / SIDE as f32
+        })
+    }
+}
+
+/// `stratify` of Listing 1, 0 to 4: the frame index is added to both coordinates, so that a pixel steps by 3 of 5 a frame.
+#[inline]
+pub(super) fn stratum(pixel: [u32; 2], frame: u32) -> u32 {
+    let [x, y] = pixel.map(|coordinate| coordinate % SIDE + frame % SIDE);
+    (x + 2 * y) % SIDE
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_first_frame_shows_the_matrix_of_equation_4() {
+        let printed = [[0, 1, 2, 3, 4], [2, 3, 4, 0, 1], [4, 0, 1, 2, 3], [1, 2, 3, 4, 0], [3, 4, 0, 1, 2]];
+        for y in 0..10 {
+            for x in 0..10 {
+                assert_eq!(stratum([x, y], 0), printed[y as usize % 5][x as usize % 5], "column {x}, row {y}");
+            }
+        }
+    }
+
+    #[test]
+    fn every_pixel_walks_through_all_five_thresholds_in_steps_of_three() {
+        for pixel in [[0, 0], [3, 1], [959, 539], [u32::MAX, u32::MAX - 1]] {
+            for first in [0, 5, 5 * 1_000_003] {
+                let walk: Vec<u32> = (first..first + 5).map(|frame| stratum(pixel, frame)).collect();
+                assert!(walk.windows(2).all(|pair| pair[1] == (pair[0] + 3) % 5), "{walk:?}");
+            }
+        }
+    }
+}
