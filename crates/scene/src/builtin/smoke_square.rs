@@ -23,7 +23,7 @@ use crate::{
 pub(super) const PARAMETERS: &[ParameterInfo] = &[
     ParameterInfo {
         key: "particles",
-        default: "6000",
+        default: "3600",
         range: ParameterRange::Count(0, 1_000_000),
         what: "how many quads the cloud is made of",
     },
@@ -132,7 +132,7 @@ impl Billow {
             size: head.radius * if haze { chance.between(0.6, 0.9) } else { chance.between(0.30, 0.50) },
             birth_secs: head.birth_secs + chance.about(0.0, 1.5),
             drift: head.drift + direction * 0.03,
-            thickness: if haze { chance.between(0.25, 0.5) } else { chance.between(0.8, 1.5) },
+            thickness: if haze { chance.between(0.35, 0.7) } else { chance.between(0.8, 1.5) },
         }
     }
 }
