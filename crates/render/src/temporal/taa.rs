@@ -27,11 +27,14 @@ pub(super) fn resolve(
     let weight = NEW_FRAME_WEIGHT.max(1.0 / (count as f32 + 1.0));
     Image::par_from_fn(width, height, |x, y| {
         let new = Vec4::from(current.colour[(x, y)]);
-        let motion = alignment.apply(Vec2::from(current.motion[(x, y)]), [x, y]);
+        let transparent = current.transparent[(x, y)];
+        let motion = Vec2::from(current.motion[(x, y)]);
+        // Only where the pattern shows: opaque surfaces would smear for nothing.
+        let motion = if transparent { alignment.apply(motion, [x, y]) } else { motion };
         let Some(old) = fetch(history, Vec2::new(x as f32, y as f32) + motion) else {
             return new.to_array();
         };
-        let radius = if current.transparent[(x, y)] { TRANSPARENT_RADIUS } else { OPAQUE_RADIUS };
+        let radius = if transparent { TRANSPARENT_RADIUS } else { OPAQUE_RADIUS };
         let clipped = clip(old, &ycocg, [x, y], radius);
         (clipped + (new - clipped) * weight).to_array()
     })
