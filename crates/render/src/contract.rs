@@ -56,6 +56,22 @@ pub struct Site<const N: usize> {
     pub position: [[f32; N]; 3],
 }
 
+impl<const N: usize> Default for Site<N> {
+    fn default() -> Self {
+        let none = [0; N];
+        Self {
+            pixel: [none; 2],
+            frame: 0,
+            seed: 0,
+            instance: none,
+            geometry: none,
+            primitive: none,
+            back: none,
+            position: [[0.0; N]; 3],
+        }
+    }
+}
+
 /// Side of the blue noise tile, pixels.
 pub const BLUE_NOISE_SIDE: u32 = 64;
 

@@ -43,7 +43,7 @@ impl Threshold for Dtaa {
         array::from_fn(|lane| {
             // The listing draws nothing at random. A seed moves the whole pattern sideways, seed 0 leaves it in place.
             let pixel = [site.pixel[0][lane] + site.seed % PERIOD_PX, site.pixel[1][lane]];
-            (stratum(pixel, site.frame) as f32 + tables.blue_noise_at(pixel)) / SIDE as f32
+            threshold(stratum(pixel, site.frame), pixel, tables)
         })
     }
 }
@@ -53,6 +53,12 @@ impl Threshold for Dtaa {
 pub(super) fn stratum(pixel: [u32; 2], frame: u32) -> u32 {
     let [x, y] = pixel.map(|coordinate| coordinate % SIDE + frame % SIDE);
     (x + 2 * y) % SIDE
+}
+
+/// The last line of Listing 1.
+#[inline]
+pub(super) fn threshold(stratum: u32, pixel: [u32; 2], tables: &Tables) -> f32 {
+    (stratum as f32 + tables.blue_noise_at(pixel)) / SIDE as f32
 }
 
 #[cfg(test)]

@@ -28,6 +28,8 @@ pub enum MethodError {
     },
 }
 
+mod object_draw;
+
 macro_rules! methods {
     ($($module:ident :: $name:ident),+ $(,)?) => {
         $(pub mod $module;)+
@@ -86,6 +88,7 @@ methods! {
     roulette::Roulette,
     std::Std,
     dtaa::Dtaa,
+    dtaa_unique::DtaaUnique,
 }
 
 impl fmt::Display for Method {

@@ -2,14 +2,15 @@
 
 use ::std::array;
 
-use glam::Vec3;
 use sheer_core::{
-    hash::{mcguire3, pcg3d},
     parameter::Values,
-    threshold_map::threshold_index,
+    threshold_map::{MAP_COUNT, threshold_index},
 };
 
-use super::roulette::HASH;
+use super::{
+    object_draw::{IDENTITY, ObjectDraw, REHASH},
+    roulette::HASH,
+};
 use crate::contract::{MethodInfo, Site, Tables, Threshold, Visitor};
 
 /// Its entry in the table.
@@ -18,36 +19,23 @@ pub const INFO: MethodInfo = MethodInfo {
     title: "thresholds dithered over space and time, one map an object; one shaded fragment a pixel",
     paper: "Brüll, Kern, Grosch (STD), section 3.3",
     bias: "stacked layers: their maps are not independent, so they hide one another too much or too little",
-    parameters: &[HASH],
+    parameters: &[HASH, IDENTITY, REHASH],
     alignment_px: 3,
 };
 
 /// Spatio-temporal dithering.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Std {
-    mcguire: bool,
+    draw: ObjectDraw,
 }
 
 impl Std {
     pub(crate) fn new(values: &Values) -> Self {
-        Self { mcguire: values.text("hash") == "mcguire" }
+        Self { draw: ObjectDraw::new(values) }
     }
 
     pub(crate) fn accept<V: Visitor>(&self, visitor: V) -> V::Output {
         visitor.threshold(self)
-    }
-
-    /// `getRandom3x3Map` of Listing 4: one of `count` by object, geometry and face side.
-    #[inline]
-    fn map_index(self, [instance, geometry, back]: [u32; 3], seed: u32, count: usize) -> usize {
-        if self.mcguire {
-            let shifted = instance.wrapping_add(seed) as f32;
-            let drawn = mcguire3(Vec3::new(shifted, geometry as f32, back as f32)) * count as f32;
-            return (drawn as usize).min(count - 1);
-        }
-        let [bits, ..] = pcg3d([instance, geometry << 1 | back, seed]);
-        // The high half of the product is uniform in 0..count (Lemire 2019).
-        (u64::from(bits) * count as u64 >> 32) as usize
     }
 }
 
@@ -56,8 +44,7 @@ impl Threshold for Std {
     fn threshold<const N: usize>(&self, site: &Site<N>, tables: &Tables) -> [f32; N] {
         array::from_fn(|lane| {
             let pixel = [site.pixel[0][lane], site.pixel[1][lane]];
-            let object = [site.instance[lane], site.geometry[lane], site.back[lane]];
-            let map = &tables.std_maps[self.map_index(object, site.seed, tables.std_maps.len())];
+            let map = &tables.std_maps[self.draw.below(site, lane, MAP_COUNT as u32) as usize];
             let stratum = threshold_index(map, pixel, site.frame);
             (f32::from(stratum) + tables.blue_noise_at(pixel)) / 9.0
         })

@@ -1,0 +1,87 @@
+//! DTAA*: the 5×5 map of DTAA with its five thresholds permuted at random for each object (STD sections 2.2 and 4).
+
+use std::array;
+
+use sheer_core::parameter::Values;
+
+use super::{
+    dtaa,
+    object_draw::{IDENTITY, ObjectDraw, REHASH},
+    roulette::HASH,
+};
+use crate::contract::{MethodInfo, Site, Tables, Threshold, Visitor};
+
+/// Its entry in the table.
+pub const INFO: MethodInfo = MethodInfo {
+    id: "dtaa-unique",
+    title: "DTAA with the five thresholds permuted for each object (DTAA*); one shaded fragment a pixel",
+    paper: "Brüll, Kern, Grosch (STD), sections 2.2 and 4",
+    bias: "stacked layers: two of 120 permutations are not independent, so they hide one another too much or too little",
+    parameters: &[HASH, IDENTITY, REHASH],
+    alignment_px: dtaa::SIDE,
+};
+
+/// Ways to order five thresholds.
+const PERMUTATION_COUNT: usize = 120;
+
+const PERMUTATIONS: [[u8; dtaa::SIDE as usize]; PERMUTATION_COUNT] = permutations();
+
+/// DTAA with a permutation for each object.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DtaaUnique {
+    draw: ObjectDraw,
+}
+
+impl DtaaUnique {
+    pub(crate) fn new(values: &Values) -> Self {
+        Self { draw: ObjectDraw::new(values) }
+    }
+
+    pub(crate) fn accept<V: Visitor>(&self, visitor: V) -> V::Output {
+        visitor.threshold(self)
+    }
+}
+
+impl Threshold for DtaaUnique {
+    #[inline]
+    fn threshold<const N: usize>(&self, site: &Site<N>, tables: &Tables) -> [f32; N] {
+        array::from_fn(|lane| {
+            let pixel = [site.pixel[0][lane], site.pixel[1][lane]];
+            let permutation = PERMUTATIONS[self.draw.below(site, lane, PERMUTATION_COUNT as u32) as usize];
+            let stratum = permutation[dtaa::stratum(pixel, site.frame) as usize];
+            dtaa::threshold(u32::from(stratum), pixel, tables)
+        })
+    }
+}
+
+/// All permutations: the digits of an index, in bases 5 to 2, are the steps of a Fisher-Yates shuffle.
+const fn permutations() -> [[u8; dtaa::SIDE as usize]; PERMUTATION_COUNT] {
+    let mut all = [[0, 1, 2, 3, 4]; PERMUTATION_COUNT];
+    let mut index = 0;
+    while index < PERMUTATION_COUNT {
+        let (mut digits, mut last) = (index, dtaa::SIDE as usize - 1);
+        while last > 0 {
+            all[index].swap(last, digits % (last + 1));
+            digits /= last + 1;
+            last -= 1;
+        }
+        index += 1;
+    }
+    all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_of_the_permutations_occurs_once() {
+        let mut all = PERMUTATIONS;
+        all.sort_unstable();
+        assert!(all.windows(2).all(|pair| pair[0] < pair[1]));
+        for mut permutation in all {
+            permutation.sort_unstable();
+            assert_eq!(permutation, [0, 1, 2, 3, 4]);
+        }
+    }
+}
