@@ -1,6 +1,7 @@
 //! What a transparency method is to the backends. A backend runs any method and names none.
 //!
 //! * [`Threshold`]: one shaded fragment a pixel. The method gives a threshold, the backend alone decides by [`keeps`].
+//! * [`Selection`]: one shaded fragment a pixel, too, but one threshold for the whole ray, held against the coverage accumulated.
 //! * [`Compositing`]: fragments are handed over and the method adds them up.
 
 use std::ops::ControlFlow;
@@ -113,6 +114,14 @@ pub fn keeps(alpha: f32, threshold: impl FnOnce() -> f32) -> bool {
     alpha >= MIN_ALPHA && (alpha >= 1.0 || alpha >= threshold())
 }
 
+/// Family of methods that hold one threshold a pixel against the coverage accumulated front to back, `1 - Π (1 - alpha)`. The fragment
+/// with which the coverage first exceeds it is the one shaded, the background if it never does. With a threshold uniform in [0, 1) each
+/// fragment comes with its share of the pixel, and layers cannot mask one another. The price: the backend needs the hits in order.
+pub trait Selection: Sync {
+    /// Threshold in [0, 1) of the pixel at column and row `pixel`, in a frame of a run with a seed.
+    fn threshold(&self, pixel: [u32; 2], frame: u32, seed: u32, tables: &Tables) -> f32;
+}
+
 /// How the backend finds the fragments of a pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Gathering {
@@ -146,6 +155,8 @@ pub trait Visitor {
     type Output;
     /// The method decides by threshold.
     fn threshold(self, method: &impl Threshold) -> Self::Output;
+    /// The method selects one fragment by the accumulated coverage.
+    fn selection(self, method: &impl Selection) -> Self::Output;
     /// The method adds fragments up.
     fn compositing(self, method: &impl Compositing) -> Self::Output;
 }

@@ -1,47 +1,142 @@
-//! How the two families find their fragments.
+//! How the families find their fragments.
 
 use std::ops::ControlFlow;
 
 use sheer_accel::{Hit, Ray};
+use sheer_core::colour::Premul;
 use sheer_image::Pixel;
+use sheer_scene::CameraRay;
 
-use super::{Counters, Tracer};
+use super::{Counters, Layer, Tracer};
 use crate::contract::{Compositing, Gathering, Site, Tables, Threshold, keeps};
 
+/// What a stochastic ray found.
+pub(super) struct Found {
+    hit: Option<Hit>,
+    /// Whether the ray met something that is neither opaque nor nothing on its way.
+    transparent: bool,
+}
+
+/// Whether a hit lies behind another in the order of all hits: by depth, then triangle.
+fn is_behind(hit: &Hit, other: &Hit) -> bool {
+    (hit.t, hit.triangle) > (other.t, other.triangle)
+}
+
 impl Tracer<'_> {
-    /// One ray, one shaded fragment: the nearest hit whose alpha reaches its threshold (STD Listings 3 and 4).
-    pub(super) fn pick(
+    /// One ray, one shaded fragment: the one that `find` finds, the background if none.
+    pub(super) fn stochastic(
         &mut self,
-        method: &impl Threshold,
-        tables: &Tables,
         at: [u32; 2],
         counters: &mut Counters,
+        find: impl FnOnce(&mut Self, &CameraRay, Option<Hit>, &mut Counters) -> Found,
     ) -> Pixel {
         let sample = self.sample(at);
         let camera_ray = self.camera_ray(sample);
+        let Found { hit, transparent } = find(self, &camera_ray, None, counters);
+        let colour = self.seen(&camera_ray, hit.as_ref(), counters);
+        self.pixel(colour, sample, &camera_ray, hit.as_ref(), transparent)
+    }
+
+    /// A hit taken as opaque, or the background.
+    fn seen(&self, ray: &CameraRay, hit: Option<&Hit>, counters: &mut Counters) -> Premul {
+        hit.map_or_else(
+            || self.background(ray),
+            |hit| Premul { rgb: self.shade(ray, hit, counters), alpha: 1.0 },
+        )
+    }
+
+    /// The nearest hit behind `after` whose alpha reaches its threshold (STD Listings 3 and 4).
+    pub(super) fn first_kept(
+        &self,
+        method: &impl Threshold,
+        tables: &Tables,
+        at: [u32; 2],
+        camera_ray: &CameraRay,
+        after: Option<Hit>,
+        counters: &mut Counters,
+    ) -> Found {
         let mut tested = 0;
         // Nearest hit that is neither opaque nor nothing: it makes the pixel a transparent one, kept or not.
         let mut nearest_partial = f32::INFINITY;
-        let picked = self.stage.bvh().closest(&self.ray(&camera_ray), |hit| {
+        let hit = self.stage.bvh().closest(&self.ray_from(camera_ray, after), |hit| {
+            if after.is_some_and(|after| !is_behind(hit, &after)) {
+                return false;
+            }
             tested += 1;
             let alpha = self.alpha(hit);
             if alpha > 0.0 && alpha < 1.0 {
                 nearest_partial = nearest_partial.min(hit.t);
             }
-            keeps(alpha, || method.threshold(&self.site(at, &camera_ray, hit), tables)[0])
+            keeps(alpha, || method.threshold(&self.site(at, camera_ray, hit), tables)[0])
         });
         counters.camera_rays += 1;
         counters.hits += tested;
-
-        let Some(hit) = picked else {
-            let transparent = nearest_partial < f32::INFINITY;
-            return self.pixel(self.background(&camera_ray), sample, &camera_ray, None, transparent);
-        };
-        let colour = sheer_core::colour::Premul { rgb: self.shade(&camera_ray, &hit, counters), alpha: 1.0 };
-        self.pixel(colour, sample, &camera_ray, Some(&hit), nearest_partial <= hit.t)
+        let transparent = hit.map_or(nearest_partial < f32::INFINITY, |hit| nearest_partial <= hit.t);
+        Found { hit, transparent }
     }
 
-    fn site(&self, [x, y]: [u32; 2], ray: &sheer_scene::CameraRay, hit: &Hit) -> Site<1> {
+    /// The hit behind `after` with which the coverage accumulated from there first exceeds a threshold.
+    pub(super) fn first_exceeding(
+        &mut self,
+        threshold: f32,
+        camera_ray: &CameraRay,
+        after: Option<Hit>,
+        counters: &mut Counters,
+    ) -> Found {
+        let exceeds = |_, visibility: f32| 1.0 - visibility > threshold;
+        let exceeded = self.gather_front(camera_ray, after, exceeds, counters);
+        Found {
+            hit: self.layers.last().filter(|_| exceeded).map(|layer| layer.hit),
+            transparent: self.layers.iter().any(|layer| layer.alpha < 1.0),
+        }
+    }
+
+    /// Fills `layers` with the hits behind `after`, front to back, up to the first with which it is `enough`: a predicate of their count
+    /// and of the visibility behind them that stays true as the one grows and the other falls. False if it never is enough.
+    ///
+    /// One traversal. A hit found late, in front of others, can only lower the visibility behind each of these, rounding included, so the
+    /// end known so far is never nearer than the true one: what lies behind it is dropped at once and bounds the ray, and nothing is lost.
+    fn gather_front(
+        &mut self,
+        camera_ray: &CameraRay,
+        after: Option<Hit>,
+        enough: impl Fn(usize, f32) -> bool,
+        counters: &mut Counters,
+    ) -> bool {
+        let mut layers = std::mem::take(&mut self.layers);
+        layers.clear();
+        let mut ended = false;
+        let mut tested = 0;
+        self.stage.bvh().traverse(&self.ray_from(camera_ray, after), |hit| {
+            let is_new = after.is_none_or(|after| is_behind(&hit, &after));
+            let alpha = if is_new { self.alpha(&hit) } else { 0.0 };
+            tested += u64::from(is_new);
+            let place = layers.partition_point(|layer| is_behind(&hit, &layer.hit));
+            let is_dropped = ended && place == layers.len();
+            if alpha > 0.0 && !is_dropped {
+                let mut visibility = if place == 0 { 1.0 } else { layers[place - 1].visibility };
+                let mut count = place;
+                layers.insert(place, Layer { hit, alpha, visibility });
+                let end = layers[place..].iter_mut().position(|layer| {
+                    visibility *= 1.0 - layer.alpha;
+                    layer.visibility = visibility;
+                    count += 1;
+                    enough(count, visibility)
+                });
+                if let Some(end) = end {
+                    ended = true;
+                    layers.truncate(place + end + 1);
+                }
+            }
+            layers.last().filter(|_| ended).map_or(f32::INFINITY, |layer| layer.hit.t)
+        });
+        counters.camera_rays += 1;
+        counters.hits += tested;
+        self.layers = layers;
+        ended
+    }
+
+    fn site(&self, [x, y]: [u32; 2], ray: &CameraRay, hit: &Hit) -> Site<1> {
         let frame = self.stage.frame();
         let object = frame.object(hit.triangle);
         let back = frame.side(hit.triangle, hit.front) == sheer_scene::FaceSide::Back;
@@ -128,8 +223,7 @@ impl Tracer<'_> {
         loop {
             let from = after.map_or(ray.t_min, |hit| hit.t);
             let next = self.stage.bvh().closest(&Ray { t_min: from, ..*ray }, |hit| {
-                let seen = after.is_some_and(|last| (hit.t, hit.triangle) <= (last.t, last.triangle));
-                !seen && self.alpha(hit) > 0.0
+                after.is_none_or(|last| is_behind(hit, &last)) && self.alpha(hit) > 0.0
             });
             counters.camera_rays += 1;
             let Some(hit) = next else { return };

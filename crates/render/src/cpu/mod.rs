@@ -10,7 +10,7 @@ use sheer_image::{Pixel, Planes};
 use sheer_scene::CameraRay;
 
 use crate::{
-    contract::{Compositing, MIN_ALPHA, Tables, Threshold, Visitor},
+    contract::{Compositing, MIN_ALPHA, Selection, Tables, Threshold, Visitor},
     method::Method,
     pipeline::RenderError,
     stage::Stage,
@@ -104,7 +104,22 @@ impl Visitor for Draw<'_> {
 
     fn threshold(self, method: &impl Threshold) -> Self::Output {
         let tables = Tables::get();
-        self.bands(|tracer, at, counters| tracer.pick(method, &tables, at, counters))
+        self.bands(|tracer, at, counters| {
+            tracer.stochastic(at, counters, |tracer, ray, after, counters| {
+                tracer.first_kept(method, &tables, at, ray, after, counters)
+            })
+        })
+    }
+
+    fn selection(self, method: &impl Selection) -> Self::Output {
+        let tables = Tables::get();
+        let FrameSettings { frame, seed, .. } = *self.settings;
+        self.bands(|tracer, at, counters| {
+            let threshold = method.threshold(at, frame, seed, &tables);
+            tracer.stochastic(at, counters, |tracer, ray, after, counters| {
+                tracer.first_exceeding(threshold, ray, after, counters)
+            })
+        })
     }
 
     fn compositing(self, method: &impl Compositing) -> Self::Output {
@@ -148,11 +163,21 @@ struct Tracer<'a> {
     stage: &'a Stage,
     settings: &'a FrameSettings,
     hits: Vec<(Hit, f32)>,
+    layers: Vec<Layer>,
+}
+
+/// A fragment among those nearest to the eye.
+#[derive(Clone, Copy, Debug)]
+struct Layer {
+    hit: Hit,
+    alpha: f32,
+    /// What is seen through it and everything in front of it.
+    visibility: f32,
 }
 
 impl<'a> Tracer<'a> {
     fn new(stage: &'a Stage, settings: &'a FrameSettings) -> Self {
-        Self { stage, settings, hits: Vec::new() }
+        Self { stage, settings, hits: Vec::new(), layers: Vec::new() }
     }
 
     fn size(&self) -> Vec2 {
@@ -214,6 +239,12 @@ impl<'a> Tracer<'a> {
 
     fn ray(&self, ray: &CameraRay) -> Ray {
         Ray { origin: ray.origin, direction: ray.direction, t_min: 0.0, t_max: f32::INFINITY }
+    }
+
+    /// The ray from a hit on, inclusively: there may be a second one at its depth.
+    fn ray_from(&self, ray: &CameraRay, after: Option<Hit>) -> Ray {
+        let ray = self.ray(ray);
+        Ray { t_min: after.map_or(ray.t_min, |hit| hit.t), ..ray }
     }
 
     /// Opacity of a hit for the camera; 0 where it is less than anyone would see.
