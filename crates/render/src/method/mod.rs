@@ -87,6 +87,7 @@ methods! {
     baseline::Baseline,
     roulette::Roulette,
     std::Std,
+    joint::Joint,
     dtaa::Dtaa,
     dtaa_unique::DtaaUnique,
 }

@@ -1,0 +1,107 @@
+//! Joint dithering: the thresholds of STD, one a pixel for all its layers, held against the coverage they accumulate. Our own answer to
+//! the first item of STD section 6: layers cannot mask one another, since there is nothing to correlate.
+
+use sheer_core::{
+    hash::pcg2d,
+    parameter::{ParameterInfo, ParameterRange, Values},
+    threshold_map::threshold_index,
+};
+
+use crate::contract::{MethodInfo, Selection, Tables, Visitor};
+
+/// Its entry in the table.
+pub const INFO: MethodInfo = MethodInfo {
+    id: "joint",
+    title: "one dithered threshold a pixel against the coverage accumulated front to back; one shaded fragment a pixel",
+    paper: "own; dithering after Brüll, Kern, Grosch (STD), section 3.3",
+    bias: "none; with cycle=still the blue noise of a pixel stays for ever, up to 1/18 of a layer's share",
+    parameters: &[ParameterInfo {
+        key: "cycle",
+        default: "golden",
+        range: ParameterRange::Choice(&["golden", "still"]),
+        what: "move the blue noise by the golden ratio every nine frames, so that a still picture converges; or never, as STD",
+    }],
+    alignment_px: 3,
+};
+
+/// Period of map and blue noise together, pixels.
+const SHIFT_PX: u32 = 3 * 64;
+/// Frames in which the walk over the map visits all nine strata.
+const CYCLE_FRAMES: u32 = 9;
+/// The golden ratio less 1 in 32 binary places: its multiples fill the circle evenly, however many there are.
+const GOLDEN_RATIO_BITS: u32 = 0x9e37_79b9;
+/// Binary places inside a stratum: with the stratum before the point they fill the 24 bits of an `f32`, so that no threshold rounds to 1.
+const OFFSET_BITS: u32 = 20;
+
+/// Joint dithering.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Joint {
+    moves: bool,
+}
+
+impl Joint {
+    pub(crate) fn new(values: &Values) -> Self {
+        Self { moves: values.text("cycle") == "golden" }
+    }
+
+    pub(crate) fn accept<V: Visitor>(&self, visitor: V) -> V::Output {
+        visitor.selection(self)
+    }
+}
+
+impl Selection for Joint {
+    fn threshold(&self, pixel: [u32; 2], frame: u32, seed: u32, tables: &Tables) -> f32 {
+        // Another seed moves the pattern over the screen. Any map would do, as there is nothing that it has to differ from.
+        let [shift_x, shift_y] = pcg2d([seed, 0]);
+        let pixel = [pixel[0].wrapping_add(shift_x % SHIFT_PX), pixel[1].wrapping_add(shift_y % SHIFT_PX)];
+        let stratum = threshold_index(&tables.std_maps[0], pixel, frame);
+        let cycle = if self.moves { frame / CYCLE_FRAMES } else { 0 };
+        let moved = cycle.wrapping_mul(GOLDEN_RATIO_BITS) >> (32 - OFFSET_BITS);
+        let one = 1 << OFFSET_BITS;
+        let offset = ((tables.blue_noise_at(pixel) * one as f32) as u32 + moved) % one;
+        (f32::from(stratum) + offset as f32 / one as f32) / 9.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_cycle_of_nine_frames_meets_every_ninth_of_the_range_once() {
+        let (joint, tables) = (Joint { moves: true }, Tables::get());
+        for (cycle, pixel) in [(0, [0, 0]), (1, [5, 7]), (1000, [63, 64]), (u32::MAX / 9 - 1, [1919, 1079])] {
+            let mut strata: Vec<_> = (cycle * 9..cycle * 9 + 9)
+                .map(|frame| (joint.threshold(pixel, frame, 3, &tables) * 9.0) as u32)
+                .collect();
+            strata.sort_unstable();
+            assert_eq!(strata, [0, 1, 2, 3, 4, 5, 6, 7, 8], "cycle {cycle}, pixel {pixel:?}");
+        }
+    }
+
+    #[test]
+    fn the_thresholds_of_a_pixel_converge_to_uniform_and_do_not_when_the_blue_noise_stands_still() {
+        let tables = Tables::get();
+        // Star discrepancy of 89 cycles; the golden ratio's is of the order log n / n, on top of the ninths.
+        let discrepancy = |moves| {
+            let count = 89 * 9;
+            let joint = Joint { moves };
+            let mut sorted: Vec<f32> =
+                (0..count).map(|frame| joint.threshold([17, 40], frame, 0, &tables)).collect();
+            sorted.sort_unstable_by(f32::total_cmp);
+            let places = sorted.iter().zip(0_u16..);
+            places.map(|(x, place)| (x - f32::from(place) / count as f32).abs()).fold(0.0, f32::max)
+        };
+        assert!(discrepancy(true) < 0.004, "{}", discrepancy(true));
+        assert!(discrepancy(false) > 0.05, "the check is blind: {}", discrepancy(false));
+    }
+
+    #[test]
+    fn no_threshold_reaches_one() {
+        let (joint, tables) = (Joint { moves: true }, Tables::get());
+        for frame in 0..20_000 {
+            let threshold = joint.threshold([frame % 64, frame / 64 % 64], frame, 0, &tables);
+            assert!((0.0..1.0).contains(&threshold), "frame {frame}: {threshold}");
+        }
+    }
+}
