@@ -54,13 +54,7 @@ impl Scene {
             problem,
         })?;
         let bounds = bounds_at_rest(&parts);
-        let tested = |index: u32| {
-            let mut transparent =
-                parts.materials.iter().filter(|material| material.alpha_mode != AlphaMode::Opaque);
-            transparent.any(|material| material.base_colour_texture.is_some_and(|used| used.texture == index))
-        };
-        let textures = (0..).zip(&parts.textures);
-        let samplers = textures.map(|(index, texture)| Sampler::new(texture, tested(index))).collect();
+        let samplers = parts.textures.iter().map(Sampler::new).collect();
         Ok(Self { parts, bounds, samplers })
     }
 
