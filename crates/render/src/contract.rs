@@ -55,6 +55,11 @@ pub struct Site<const N: usize> {
     pub back: [u32; N],
     /// Hit point in world: x, y, z.
     pub position: [[f32; N]; 3],
+    /// Hit point in the space of its object, before it moves and bends. This and the next are only filled for methods that ask for them by
+    /// [`Threshold::uses_object_space`].
+    pub position_in_object: [[f32; N]; 3],
+    /// Length that a pixel covers there, along its longer axis; may be infinite.
+    pub footprint_in_object: [f32; N],
 }
 
 impl<const N: usize> Default for Site<N> {
@@ -69,6 +74,8 @@ impl<const N: usize> Default for Site<N> {
             primitive: none,
             back: none,
             position: [[0.0; N]; 3],
+            position_in_object: [[0.0; N]; 3],
+            footprint_in_object: [0.0; N],
         }
     }
 }
@@ -103,6 +110,11 @@ impl Tables {
 
 /// Family of methods that keep or drop a hit by comparing its alpha with a threshold.
 pub trait Threshold: Sync {
+    /// Whether the method wants to know where on its object a hit lies, which costs the backend some work a hit.
+    fn uses_object_space(&self) -> bool {
+        false
+    }
+
     /// Thresholds in [0, 1) for `N` hits.
     fn threshold<const N: usize>(&self, site: &Site<N>, tables: &Tables) -> [f32; N];
 }

@@ -185,6 +185,21 @@ impl Frame {
         triangle - self.object(triangle).first_triangle
     }
 
+    /// Corners of a triangle in the space of its object, where they never move: those of the mesh, not skinned or morphed, or of a square
+    /// of side 1 for a particle.
+    #[must_use]
+    pub fn corners_in_object(&self, triangle: u32) -> [Vec3; 3] {
+        let object = self.object(triangle);
+        let primitive = (triangle - object.first_triangle) as usize;
+        match object.look {
+            Look::Quad { .. } => QUAD_UVS[primitive & 1].map(|corner| corner.extend(0.0)),
+            Look::Rigid { mesh, .. } | Look::Deformed { mesh, .. } => {
+                let mesh = &self.scene.parts().meshes[mesh as usize];
+                mesh.indices[primitive].map(|vertex| mesh.positions[vertex as usize])
+            }
+        }
+    }
+
     /// The side of a triangle that a ray meets which sees its vertices counter-clockwise (or not): mirrored objects are turned around.
     #[must_use]
     pub fn side(&self, triangle: u32, counter_clockwise: bool) -> FaceSide {

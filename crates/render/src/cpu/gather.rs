@@ -2,6 +2,7 @@
 
 use std::ops::ControlFlow;
 
+use glam::Vec3;
 use sheer_accel::{Hit, Ray};
 use sheer_core::colour::Premul;
 use sheer_image::Pixel;
@@ -67,7 +68,7 @@ impl Tracer<'_> {
             if alpha > 0.0 && alpha < 1.0 {
                 nearest_partial = nearest_partial.min(hit.t);
             }
-            keeps(alpha, || method.threshold(&self.site(at, camera_ray, hit), tables)[0])
+            keeps(alpha, || method.threshold(&self.site(method, at, camera_ray, hit), tables)[0])
         });
         counters.camera_rays += 1;
         counters.hits += tested;
@@ -136,12 +137,14 @@ impl Tracer<'_> {
         ended
     }
 
-    fn site(&self, [x, y]: [u32; 2], ray: &CameraRay, hit: &Hit) -> Site<1> {
+    fn site(&self, method: &impl Threshold, at: [u32; 2], ray: &CameraRay, hit: &Hit) -> Site<1> {
         let frame = self.stage.frame();
         let object = frame.object(hit.triangle);
         let back = frame.side(hit.triangle, hit.front) == sheer_scene::FaceSide::Back;
+        let (position_in_object, footprint_in_object) =
+            if method.uses_object_space() { self.object_space(at, hit) } else { (Vec3::ZERO, 0.0) };
         Site {
-            pixel: [[x], [y]],
+            pixel: at.map(|coordinate| [coordinate]),
             frame: self.settings.frame,
             seed: self.settings.seed,
             instance: [object.id],
@@ -149,6 +152,8 @@ impl Tracer<'_> {
             primitive: [hit.triangle - object.first_triangle],
             back: [u32::from(back)],
             position: (ray.origin + ray.direction * hit.t).to_array().map(|coordinate| [coordinate]),
+            position_in_object: position_in_object.to_array().map(|coordinate| [coordinate]),
+            footprint_in_object: [footprint_in_object],
         }
     }
 

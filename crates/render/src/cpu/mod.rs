@@ -17,6 +17,7 @@ use crate::{
 };
 
 mod gather;
+mod object_space;
 mod shade;
 
 /// What lies behind everything (`--background`).

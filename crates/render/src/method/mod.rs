@@ -90,6 +90,7 @@ methods! {
     joint::Joint,
     dtaa::Dtaa,
     dtaa_unique::DtaaUnique,
+    hashed::Hashed,
 }
 
 impl fmt::Display for Method {

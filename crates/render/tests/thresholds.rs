@@ -1,0 +1,110 @@
+//! What the threshold methods promise of their thresholds: spread, stratification, and how stacked layers mask one another.
+
+use sheer_render::{
+    Method,
+    contract::{Compositing, Selection, Site, Tables, Threshold, Visitor, keeps},
+};
+
+/// The threshold of a method at one site.
+struct At<'a>(&'a Site<1>);
+
+impl Visitor for At<'_> {
+    type Output = f32;
+
+    fn threshold(self, method: &impl Threshold) -> f32 {
+        method.threshold(self.0, &Tables::get())[0]
+    }
+
+    fn selection(self, _: &impl Selection) -> f32 {
+        unreachable!("only threshold methods are asked")
+    }
+
+    fn compositing(self, _: &impl Compositing) -> f32 {
+        unreachable!("only threshold methods are asked")
+    }
+}
+
+fn threshold(method: &Method, site: &Site<1>) -> f32 {
+    method.visit(At(site))
+}
+
+fn parse(method: &str) -> Method {
+    method.parse().unwrap()
+}
+
+/// Sites of an object all over a square of pixels in some frames.
+fn sites(side: u32, frames: std::ops::Range<u32>, instance: u32) -> impl Iterator<Item = Site<1>> {
+    frames.flat_map(move |frame| {
+        (0..side * side).map(move |index| {
+            let [x, y] = [index % side, index / side];
+            Site { pixel: [[x], [y]], frame, instance: [instance], ..Site::default() }
+        })
+    })
+}
+
+/// Share of sites at which the second of two layers of opacity `alpha` is seen, as mean and standard error over pairs of objects.
+fn second_layer_share(method: &str, alpha: f32, frames: std::ops::Range<u32>) -> (f64, f64) {
+    const PAIR_COUNT: u32 = 400;
+    let method = parse(method);
+    let shares: Vec<f64> = (0..PAIR_COUNT)
+        .map(|pair| {
+            let seen = sites(15, frames.clone(), 2 * pair).filter(|first| {
+                let second = Site { instance: [2 * pair + 1], ..*first };
+                !keeps(alpha, || threshold(&method, first)) && keeps(alpha, || threshold(&method, &second))
+            });
+            seen.count() as f64 / sites(15, frames.clone(), 0).count() as f64
+        })
+        .collect();
+    let count = f64::from(PAIR_COUNT);
+    let mean = shares.iter().sum::<f64>() / count;
+    let variance = shares.iter().map(|share| (share - mean).powi(2)).sum::<f64>() / (count - 1.0);
+    (mean, (variance / count).sqrt())
+}
+
+#[test]
+fn dtaa_masks_the_second_of_two_equal_layers_and_methods_with_maps_of_their_own_do_not() {
+    for alpha in [0.25, 0.5, 0.75] {
+        assert_eq!(second_layer_share("dtaa", alpha, 0..3), (0.0, 0.0), "alpha {alpha}");
+        let free = f64::from(alpha * (1.0 - alpha));
+        for method in ["dtaa-unique", "std"] {
+            let (mean, _) = second_layer_share(method, alpha, 0..3);
+            // Pairs of objects draw from few maps with few thresholds each: not quite as if they were independent.
+            assert!((mean - free).abs() < 0.03, "{method} at alpha {alpha}: {mean} of {free}");
+        }
+    }
+}
+
+#[test]
+fn a_cycle_shows_each_pixel_every_stratum_once() {
+    for (method, count) in [("dtaa", 5), ("dtaa-unique", 5), ("std", 9), ("std:rehash=9", 9)] {
+        let method = parse(method);
+        for first in [0, count * 1000] {
+            for start in sites(20, first..first + 1, 3) {
+                let seen = (first..first + count).fold(0_u32, |seen, frame| {
+                    let stratum = threshold(&method, &Site { frame, ..start }) * count as f32;
+                    seen | 1 << stratum as u32
+                });
+                assert_eq!(seen, (1 << count) - 1, "{method} at {:?} from frame {first}", start.pixel);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_cycle_of_random_thresholds_misses_strata() {
+    let method = parse("roulette");
+    let complete = sites(20, 0..1, 3).all(|start| {
+        let strata = (0..9).map(|frame| (threshold(&method, &Site { frame, ..start }) * 9.0) as u32);
+        strata.fold(0_u32, |seen, stratum| seen | 1 << stratum) == 0b1_1111_1111
+    });
+    assert!(!complete, "the check of the strata is blind");
+}
+
+#[test]
+fn maps_drawn_anew_free_any_two_objects_of_masking_one_another_for_good() {
+    // Between pairs the share differs far less once each has been through many pairs of maps.
+    let (_, fixed) = second_layer_share("std", 0.5, 0..36);
+    let (mean, redrawn) = second_layer_share("std:rehash=3", 0.5, 0..36);
+    assert!(redrawn < 0.5 * fixed, "standard errors {redrawn} and {fixed}");
+    assert!((mean - 0.25).abs() < 0.03, "{mean}");
+}
