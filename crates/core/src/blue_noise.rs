@@ -1,24 +1,14 @@
-//! A blue noise mask by void and cluster: Ulichney, *The void-and-cluster method for dither array
-//! generation*, 1993.
-//!
-//! Pixels are ranked so that, for every threshold, those below it are spread evenly without a grid. Where the
-//! paper leaves a choice it is fixed here: a Gaussian of σ = 1.5 pixels on the torus, and the lower index
-//! among equals. Energies are whole numbers, so that adding and taking away pixels is exact and every machine
-//! builds the same mask. Updating them around the changed pixel alone makes a 64×64 mask in tens of
-//! milliseconds.
+//! A blue noise mask by void and cluster (Ulichney 1993), with a Gaussian of σ = 1.5 pixels.
 
 use std::sync::OnceLock;
 
-use crate::hash::Pcg32;
+use crate::void_and_cluster::{Torus, rank_all};
 
 /// Ulichney's choice for the Gaussian that measures crowding, in pixels.
-const SIGMA_PX: f64 = 1.5;
+pub(crate) const SIGMA_PX: f64 = 1.5;
 
-/// Beyond this distance the Gaussian is less than one unit of [`ENERGY_ONE`].
-const KERNEL_RADIUS_PX: i32 = 9;
-
-/// The energy of a pixel at its own place. All of a full mask, 2πσ² = 14.1 times this, still fits 32 bits.
-const ENERGY_ONE: f64 = (1_u32 << 24) as f64;
+/// Beyond this distance the Gaussian rounds to no energy at all.
+pub(crate) const REACH_PX: i32 = 9;
 
 /// A square mask that tiles without seams.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,7 +33,9 @@ impl BlueNoise {
     #[must_use]
     pub fn build(side: u32, seed: u64) -> Self {
         assert!(side.is_power_of_two() && (2..=256).contains(&side), "a blue noise side of {side}");
-        let ranks = rank_all(side, seed);
+        let ranks = rank_all(Torus { side, depth: 1 }, seed, REACH_PX, |dx, dy, dt| {
+            if dt == 0 { gaussian(dx * dx + dy * dy) } else { 0.0 }
+        });
         let count = ranks.len() as f32;
         let values = ranks.iter().map(|&rank| (f32::from(rank) + 0.5) / count).collect();
         Self { side, ranks, values }
@@ -75,108 +67,9 @@ impl BlueNoise {
     }
 }
 
-/// A pattern of set pixels and how crowded each pixel is by them.
-struct Pattern {
-    side: i32,
-    kernel: Vec<(i32, i32, u32)>,
-    set: Vec<bool>,
-    energy: Vec<u32>,
-}
-
-impl Pattern {
-    fn empty(side: u32) -> Self {
-        let count = (side * side) as usize;
-        let reach = -KERNEL_RADIUS_PX..=KERNEL_RADIUS_PX;
-        let kernel = reach
-            .clone()
-            .flat_map(|dy| reach.clone().map(move |dx| (dx, dy)))
-            .map(|(dx, dy)| {
-                let distance_squared = f64::from(dx * dx + dy * dy);
-                let gaussian = (-distance_squared / (2.0 * SIGMA_PX * SIGMA_PX)).exp();
-                (dx, dy, (gaussian * ENERGY_ONE).round() as u32)
-            })
-            .filter(|&(_, _, energy)| energy > 0)
-            .collect();
-        Self { side: side as i32, kernel, set: vec![false; count], energy: vec![0; count] }
-    }
-
-    fn toggle(&mut self, index: usize) {
-        let adds = !self.set[index];
-        self.set[index] = adds;
-        let (x, y, wrap) = (index as i32 % self.side, index as i32 / self.side, self.side - 1);
-        for &(dx, dy, energy) in &self.kernel {
-            let at = (((y + dy) & wrap) * self.side + ((x + dx) & wrap)) as usize;
-            if adds {
-                self.energy[at] += energy;
-            } else {
-                self.energy[at] -= energy;
-            }
-        }
-    }
-
-    /// The most crowded set pixel, the first among equals.
-    fn tightest_cluster(&self) -> usize {
-        self.first_minimum(|index| self.set[index].then(|| u32::MAX - self.energy[index]))
-    }
-
-    /// The least crowded unset pixel, the first among equals.
-    fn largest_void(&self) -> usize {
-        self.first_minimum(|index| (!self.set[index]).then(|| self.energy[index]))
-    }
-
-    fn first_minimum(&self, key: impl Fn(usize) -> Option<u32>) -> usize {
-        (0..self.set.len())
-            .filter_map(|index| key(index).map(|key| (key, index)))
-            .min()
-            .expect("a pattern being ranked has both set and unset pixels")
-            .1
-    }
-}
-
-fn rank_all(side: u32, seed: u64) -> Vec<u16> {
-    let count = side * side;
-    let mut pattern = Pattern::empty(side);
-
-    // Initial pattern: a tenth of the pixels at random, then moved from clusters to voids until nothing
-    // moves.
-    let first_count = (count / 10).max(1);
-    let mut random = Pcg32::new(seed, 0);
-    let mut missing = first_count;
-    while missing > 0 {
-        let index = random.below(count) as usize;
-        if !pattern.set[index] {
-            pattern.toggle(index);
-            missing -= 1;
-        }
-    }
-    loop {
-        let cluster = pattern.tightest_cluster();
-        pattern.toggle(cluster);
-        let void = pattern.largest_void();
-        pattern.toggle(void);
-        if void == cluster {
-            break;
-        }
-    }
-
-    // Phase 1: the ranks of the initial pattern, by taking away the tightest cluster.
-    let mut ranks = vec![0_u16; count as usize];
-    let initial: Vec<usize> = (0..count as usize).filter(|&index| pattern.set[index]).collect();
-    for rank in (0..first_count).rev() {
-        let cluster = pattern.tightest_cluster();
-        pattern.toggle(cluster);
-        ranks[cluster] = rank as u16;
-    }
-    initial.into_iter().for_each(|index| pattern.toggle(index));
-
-    // Phases 2 and 3: fill the largest void. Ulichney's third phase takes the tightest cluster of the unset
-    // pixels, which is the same pixel: on a torus the energies of set and unset pixels add up to a constant.
-    for rank in first_count..count {
-        let void = pattern.largest_void();
-        pattern.toggle(void);
-        ranks[void] = rank as u16;
-    }
-    ranks
+/// How much two pixels crowd one another, from the square of their distance.
+pub(crate) fn gaussian(distance_squared: i32) -> f64 {
+    (-f64::from(distance_squared) / (2.0 * SIGMA_PX * SIGMA_PX)).exp()
 }
 
 #[cfg(test)]
@@ -184,7 +77,7 @@ mod tests {
     use std::f64::consts::TAU;
 
     use super::*;
-    use crate::hash::fnv1a;
+    use crate::hash::{Pcg32, fnv1a};
 
     /// Mean power of the frequencies up to `limit` cycles per pixel, relative to that of all frequencies but
     /// 0.

@@ -5,3 +5,4 @@ pub mod colour;
 pub mod hash;
 pub mod parameter;
 pub mod threshold_map;
+mod void_and_cluster;

@@ -55,7 +55,7 @@ pub fn split_name(text: &str) -> (&str, &str) {
 /// Parameters with their values, each one checked against its range.
 #[derive(Clone, Debug)]
 pub struct Values {
-    known: &'static [ParameterInfo],
+    known: Vec<ParameterInfo>,
     given: Vec<(&'static str, String)>,
 }
 
@@ -64,7 +64,7 @@ impl Values {
     ///
     /// # Errors
     /// What is wrong and what is allowed, in words.
-    pub fn parse(known: &'static [ParameterInfo], settings: &str) -> Result<Self, String> {
+    pub fn parse(known: &[ParameterInfo], settings: &str) -> Result<Self, String> {
         let mut given: Vec<(&'static str, String)> = Vec::new();
         for setting in settings.split(',').map(str::trim).filter(|setting| !setting.is_empty()) {
             let (key, value) =
@@ -83,7 +83,7 @@ impl Values {
             }
             given.push((parameter.key, value.to_owned()));
         }
-        Ok(Self { known, given })
+        Ok(Self { known: known.to_vec(), given })
     }
 
     /// A parameter's value as it was given, or its default.

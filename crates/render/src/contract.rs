@@ -10,7 +10,7 @@ use glam::Vec3;
 use sheer_core::{
     blue_noise::blue_noise_64,
     colour::Premul,
-    parameter::ParameterInfo,
+    parameter::{ParameterInfo, ParameterRange, Values},
     threshold_map::{ThresholdMap, std_maps},
 };
 
@@ -132,6 +132,43 @@ pub fn keeps(alpha: f32, threshold: impl FnOnce() -> f32) -> bool {
 pub trait Selection: Sync {
     /// Threshold in [0, 1) of the pixel at column and row `pixel`, in a frame of a run with a seed.
     fn threshold(&self, pixel: [u32; 2], frame: u32, seed: u32, tables: &Tables) -> f32;
+}
+
+/// The hybrid of exact and stochastic (STD section 3.4): fragments are shaded and composited front to back until the visibility has fallen
+/// to a share, then one stochastic ray stands for the rest. The backend wraps it around any [`Threshold`] or [`Selection`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hybrid {
+    /// Visibility from which on the stochastic ray takes over, 0 to 1: 0 is exact, 1 purely stochastic.
+    pub visibility: f32,
+    /// The most fragments that are composited before, however much is visible; `None` for no such limit. The paper's fall-back to a
+    /// k-buffer where many faint layers would each be shaded; here the rest is sampled, so nothing is dropped.
+    pub layers: Option<u32>,
+}
+
+impl Hybrid {
+    /// No exact part at all.
+    pub const NONE: Self = Self { visibility: 1.0, layers: None };
+
+    /// The keys for it.
+    pub(crate) const PARAMETERS: &[ParameterInfo] = &[
+        ParameterInfo {
+            key: "hybrid",
+            default: "1",
+            range: ParameterRange::Real(0.0, 1.0),
+            what: "exact until visibility falls to this, one stochastic ray for the rest; 0 is the baseline",
+        },
+        ParameterInfo {
+            key: "layers",
+            default: "0",
+            range: ParameterRange::Count(0, 64),
+            what: "with hybrid below 1: at most so many exact fragments; 0 for no limit",
+        },
+    ];
+
+    pub(crate) fn new(values: &Values) -> Self {
+        let layers = values.count("layers");
+        Self { visibility: values.real("hybrid"), layers: (layers > 0).then_some(layers) }
+    }
 }
 
 /// How the backend finds the fragments of a pixel.

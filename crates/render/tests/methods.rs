@@ -3,7 +3,11 @@
 use glam::Vec3;
 use sheer_core::colour::Premul;
 use sheer_image::Planes;
-use sheer_render::{Antialiasing, Counters, Pipeline, Settings, Stage, method::METHODS};
+use sheer_render::{
+    Antialiasing, Counters, Method, Pipeline, Settings, Stage,
+    contract::MethodInfo,
+    method::{Family, METHODS},
+};
 use sheer_scene::{
     CameraChoice,
     builtin::{LayerColours, layers_closed_form},
@@ -31,6 +35,11 @@ fn play(
 
 fn small(width: u32, height: u32) -> Settings {
     Settings { size: [width, height], ..Settings::default() }
+}
+
+/// Those that shade one fragment a pixel, whatever their contract.
+fn one_fragment_methods() -> impl Iterator<Item = &'static MethodInfo> {
+    METHODS.iter().filter(|info| info.id.parse::<Method>().unwrap().family() != Family::Compositing)
 }
 
 fn colours(planes: &Planes) -> impl Iterator<Item = Premul> {
@@ -67,7 +76,7 @@ fn continuation_rays_and_one_traversal_give_the_same_picture() {
 
 #[test]
 fn stochastic_methods_shade_one_fragment_a_pixel_at_most() {
-    for info in METHODS.iter().filter(|info| info.id != "baseline") {
+    for info in one_fragment_methods() {
         let (_, counters) =
             play("smoke-square:particles=400", info.id, Antialiasing::None, 1, small(64, 36), 2);
         assert_eq!(counters.camera_rays, 64 * 36, "{}", info.id);
@@ -143,6 +152,96 @@ fn a_still_pixel_converges_as_the_golden_ratio_moves_its_blue_noise() {
 }
 
 #[test]
+fn a_hybrid_of_1_is_the_pure_method_and_one_of_0_the_baseline_to_the_bit() {
+    let settings = Settings { start_secs: 6.0, ..small(64, 36) };
+    let picture =
+        |method: &str| play("smoke-square:particles=400", method, Antialiasing::None, 1, settings, 2);
+    let (baseline, exact_cost) = picture("baseline");
+    for info in one_fragment_methods() {
+        let with = |keys: &str| picture(&format!("{}:{keys}", info.id));
+        assert_eq!(with("hybrid=1"), picture(info.id), "{}", info.id);
+        let (exact, cost) = with("hybrid=0");
+        assert_eq!(exact, baseline, "{}", info.id);
+        assert_eq!(
+            (cost.shaded, cost.camera_rays),
+            (exact_cost.shaded, exact_cost.camera_rays),
+            "{}",
+            info.id
+        );
+        assert_ne!(with("hybrid=0.5").0, baseline, "{}: the check is blind", info.id);
+    }
+}
+
+#[test]
+fn a_hybrid_comes_nearer_to_the_baseline_with_each_fragment_it_shades() {
+    let settings = Settings { start_secs: 6.0, ..small(48, 27) };
+    let picture = |method: &str| {
+        play("smoke-square:particles=400", method, Antialiasing::Accumulate, 8, settings, 2)
+    };
+    let (exact, _) = picture("baseline");
+    for method in ["roulette", "std", "joint"] {
+        let steps = ["1", "0.75", "0.5", "0.25", "0"].map(|share| {
+            let (planes, cost) = picture(&format!("{method}:hybrid={share}"));
+            let pairs = colours(&planes).zip(colours(&exact));
+            let error: f32 = pairs.map(|(colour, exact)| (colour.rgb - exact.rgb).length_squared()).sum();
+            (error.sqrt(), cost.shaded)
+        });
+        let falls = steps.windows(2).all(|pair| pair[1].0 < pair[0].0 && pair[1].1 > pair[0].1);
+        assert!(falls, "{method}: {steps:?}");
+        assert_eq!(steps[4].0, 0.0, "{method}");
+    }
+}
+
+#[test]
+fn a_hybrid_of_roulette_is_unbiased_in_every_pixel() {
+    const FRAMES: u32 = 64;
+    let scene = "layers:count=8,alpha=0.2,colours=rainbow,background=0.25";
+    let expected = layers_closed_form(8, 0.2, LayerColours::Rainbow, 0.25);
+    let scene = sheer_scene::open(scene).unwrap().scene;
+    let stage = Stage::new(scene, &CameraChoice::Default, Some(2)).unwrap();
+    // Sum over pixels of the squared z of their means, in standard deviations from its expectation; and the largest z.
+    let deviation = |method: &str| {
+        let mut pipeline =
+            Pipeline::new(method.parse().unwrap(), Antialiasing::None, small(32, 18)).unwrap();
+        let (mut sums, mut squares) = (vec![0.0; 32 * 18], 0.0);
+        for index in 0..FRAMES {
+            pipeline.render(&stage, index).unwrap();
+            for (sum, colour) in sums.iter_mut().zip(colours(pipeline.planes())) {
+                let difference = f64::from(colour.rgb.x - expected.x);
+                *sum += difference;
+                squares += difference * difference;
+            }
+        }
+        let pixels = sums.len() as f64;
+        let variance = squares / (pixels * f64::from(FRAMES));
+        let z = sums.iter().map(|sum| sum / (variance * f64::from(FRAMES)).sqrt());
+        let chi_square: f64 = z.clone().map(|z| z * z).sum();
+        ((chi_square - pixels) / (2.0 * pixels).sqrt(), z.fold(0.0, |most, z| z.abs().max(most)))
+    };
+    for method in ["roulette:hybrid=0.5", "roulette:hybrid=0,layers=2"] {
+        let (chi, worst) = deviation(method);
+        assert!(chi.abs() < 4.0 && worst < 5.0, "{method}: chi {chi}, z {worst}");
+    }
+    let (chi, _) = deviation("std:hybrid=0.5");
+    assert!(chi.abs() > 8.0, "dithered frames are not independent draws, the check is blind: {chi}");
+}
+
+#[test]
+fn a_limit_of_layers_bounds_what_a_hybrid_shades() {
+    let scene = "layers:count=20,alpha=0.1,background=0.25";
+    for info in one_fragment_methods() {
+        let cost = |keys: &str| {
+            let method = format!("{}:{keys}", info.id);
+            play(scene, &method, Antialiasing::None, 1, small(32, 18), 2).1
+        };
+        let pixels = 32 * 18;
+        assert_eq!(cost("hybrid=0").shaded, 21 * pixels, "{}", info.id);
+        let bounded = cost("hybrid=0,layers=4");
+        assert_eq!((bounded.shaded, bounded.camera_rays), (5 * pixels, 2 * pixels), "{}", info.id);
+    }
+}
+
+#[test]
 fn both_ends_of_alpha_are_exact_for_every_method() {
     for info in METHODS {
         for (alpha, expected) in [(0.0, Vec3::splat(0.25)), (1.0, Vec3::ONE)] {
@@ -170,7 +269,7 @@ fn any_number_of_threads_gives_the_same_bits() {
 
 #[test]
 fn another_seed_draws_other_thresholds() {
-    for info in METHODS.iter().filter(|info| info.id != "baseline") {
+    for info in one_fragment_methods() {
         let run = |seed| {
             let settings = Settings { seed, ..small(32, 18) };
             play("layers:count=3,alpha=0.5", info.id, Antialiasing::None, 1, settings, 1).0

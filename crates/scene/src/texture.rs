@@ -98,6 +98,7 @@ impl Sampler {
     }
 
     /// Alpha, 0 to 1.
+    #[inline]
     pub(crate) fn sample_alpha(&self, uv: Vec2) -> f32 {
         let ([a, b, c, d], [fx, fy]) = self.footprint(uv);
         let texel = |index: usize| f32::from(self.alpha[index]);

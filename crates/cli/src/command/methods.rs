@@ -1,6 +1,9 @@
 //! `sheer methods`: the transparency methods.
 
-use sheer_render::method::METHODS;
+use sheer_render::{
+    contract::MethodInfo,
+    method::{METHODS, Method, MethodError},
+};
 
 use crate::{
     args::ListArguments,
@@ -9,19 +12,22 @@ use crate::{
 };
 
 pub(crate) fn run(arguments: &ListArguments) -> anyhow::Result<()> {
-    let entries = METHODS.iter().map(|info| Entry {
-        name: info.id,
-        title: info.title,
-        source: info.paper,
-        parameters: (info.parameters.iter())
-            .map(|known| Parameter {
-                key: known.key,
-                default: known.default,
-                range: known.range.to_string(),
-                what: known.what,
-            })
-            .collect(),
-        remarks: vec![("bias", info.bias)],
-    });
-    output::print(&listing(&entries.collect::<Vec<_>>(), arguments.long))
+    let entry = |info: &MethodInfo| {
+        let parameters = info.id.parse::<Method>()?.parameters();
+        let parameters = parameters.into_iter().map(|known| Parameter {
+            key: known.key,
+            default: known.default,
+            range: known.range.to_string(),
+            what: known.what,
+        });
+        Ok(Entry {
+            name: info.id,
+            title: info.title,
+            source: info.paper,
+            parameters: parameters.collect(),
+            remarks: vec![("bias", info.bias)],
+        })
+    };
+    let entries = METHODS.iter().map(entry).collect::<Result<Vec<_>, MethodError>>()?;
+    output::print(&listing(&entries, arguments.long))
 }

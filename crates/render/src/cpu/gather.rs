@@ -2,14 +2,14 @@
 
 use std::ops::ControlFlow;
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use sheer_accel::{Hit, Ray};
 use sheer_core::colour::Premul;
 use sheer_image::Pixel;
 use sheer_scene::CameraRay;
 
 use super::{Counters, Layer, Tracer};
-use crate::contract::{Compositing, Gathering, Site, Tables, Threshold, keeps};
+use crate::contract::{Compositing, Gathering, Hybrid, MIN_VISIBILITY, Site, Tables, Threshold, keeps};
 
 /// What a stochastic ray found.
 pub(super) struct Found {
@@ -24,18 +24,57 @@ fn is_behind(hit: &Hit, other: &Hit) -> bool {
 }
 
 impl Tracer<'_> {
-    /// One ray, one shaded fragment: the one that `find` finds, the background if none.
+    /// One ray, one shaded fragment: the one that `find` finds, the background if none. With a hybrid, after the exact fragments.
     pub(super) fn stochastic(
         &mut self,
+        hybrid: Hybrid,
         at: [u32; 2],
         counters: &mut Counters,
         find: impl FnOnce(&mut Self, &CameraRay, Option<Hit>, &mut Counters) -> Found,
     ) -> Pixel {
         let sample = self.sample(at);
         let camera_ray = self.camera_ray(sample);
+        if hybrid.visibility < 1.0 {
+            return self.hybrid(hybrid, sample, &camera_ray, counters, find);
+        }
         let Found { hit, transparent } = find(self, &camera_ray, None, counters);
         let colour = self.seen(&camera_ray, hit.as_ref(), counters);
         self.pixel(colour, sample, &camera_ray, hit.as_ref(), transparent)
+    }
+
+    /// The nearest fragments exactly, what is left of the visibility by what `find` finds behind them (STD section 3.4).
+    fn hybrid(
+        &mut self,
+        hybrid: Hybrid,
+        sample: Vec2,
+        camera_ray: &CameraRay,
+        counters: &mut Counters,
+        find: impl FnOnce(&mut Self, &CameraRay, Option<Hit>, &mut Counters) -> Found,
+    ) -> Pixel {
+        // Not below the baseline's end, so that a share of 0 is the baseline to the bit.
+        let share = hybrid.visibility.max(MIN_VISIBILITY);
+        let most = hybrid.layers.map_or(usize::MAX, |layers| layers as usize);
+        let enough = |count, visibility| visibility <= share || count == most;
+        let ended = self.gather_front(camera_ray, None, enough, counters);
+        let mut rgb = Vec3::ZERO;
+        let mut visibility = 1.0;
+        for layer in &self.layers {
+            rgb += visibility * layer.alpha * self.shade(camera_ray, &layer.hit, counters);
+            visibility = layer.visibility;
+        }
+        let mut transparent = self.layers.iter().any(|layer| layer.alpha < 1.0);
+        // Front to back: the last fragment gives depth and motion, the background none.
+        let mut last = self.layers.last().filter(|_| ended).map(|layer| layer.hit);
+        let mut colour = Premul { rgb, alpha: 1.0 - visibility };
+        if !ended {
+            colour = colour.over(self.background(camera_ray));
+        } else if visibility > MIN_VISIBILITY {
+            let rest = find(self, camera_ray, last, counters);
+            transparent |= rest.transparent;
+            last = rest.hit;
+            colour = colour.over(self.seen(camera_ray, last.as_ref(), counters));
+        }
+        self.pixel(colour, sample, camera_ray, last.as_ref(), transparent)
     }
 
     /// A hit taken as opaque, or the background.

@@ -10,7 +10,7 @@ use sheer_image::{Pixel, Planes};
 use sheer_scene::CameraRay;
 
 use crate::{
-    contract::{Compositing, MIN_ALPHA, Selection, Tables, Threshold, Visitor},
+    contract::{Compositing, Hybrid, MIN_ALPHA, Selection, Tables, Threshold, Visitor},
     method::Method,
     pipeline::RenderError,
     stage::Stage,
@@ -89,7 +89,7 @@ pub struct Rendered {
 /// # Errors
 /// [`RenderError::Image`] if the size is zero or too much for the memory.
 pub fn render(stage: &Stage, method: &Method, settings: &FrameSettings) -> Result<Rendered, RenderError> {
-    method.visit(Draw { stage, settings })
+    method.visit(Draw { stage, settings, hybrid: method.hybrid() })
 }
 
 /// Rows a task: few enough that 2 to 64 threads share a frame evenly, enough that neighbouring rays share the cache.
@@ -98,26 +98,27 @@ const BAND_ROWS: u32 = 8;
 struct Draw<'a> {
     stage: &'a Stage,
     settings: &'a FrameSettings,
+    hybrid: Hybrid,
 }
 
 impl Visitor for Draw<'_> {
     type Output = Result<Rendered, RenderError>;
 
     fn threshold(self, method: &impl Threshold) -> Self::Output {
-        let tables = Tables::get();
+        let (tables, hybrid) = (Tables::get(), self.hybrid);
         self.bands(|tracer, at, counters| {
-            tracer.stochastic(at, counters, |tracer, ray, after, counters| {
+            tracer.stochastic(hybrid, at, counters, |tracer, ray, after, counters| {
                 tracer.first_kept(method, &tables, at, ray, after, counters)
             })
         })
     }
 
     fn selection(self, method: &impl Selection) -> Self::Output {
-        let tables = Tables::get();
+        let (tables, hybrid) = (Tables::get(), self.hybrid);
         let FrameSettings { frame, seed, .. } = *self.settings;
         self.bands(|tracer, at, counters| {
             let threshold = method.threshold(at, frame, seed, &tables);
-            tracer.stochastic(at, counters, |tracer, ray, after, counters| {
+            tracer.stochastic(hybrid, at, counters, |tracer, ray, after, counters| {
                 tracer.first_exceeding(threshold, ray, after, counters)
             })
         })

@@ -3,9 +3,9 @@
 
 use ::std::{fmt, str::FromStr};
 
-use sheer_core::parameter::{Values, split_name};
+use sheer_core::parameter::{ParameterInfo, Values, split_name};
 
-use crate::contract::{MethodInfo, Visitor};
+use crate::contract::{Compositing, Hybrid, MethodInfo, Selection, Threshold, Visitor};
 
 /// Why there is no such method.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -28,6 +28,43 @@ pub enum MethodError {
     },
 }
 
+/// The contract that a method fulfils.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Family {
+    /// [`Threshold`].
+    Threshold,
+    /// [`Selection`].
+    Selection,
+    /// [`Compositing`].
+    Compositing,
+}
+
+impl Family {
+    /// All keys of a method of this family: its own, then those that families of one shaded fragment have in common.
+    fn parameters(self, info: &MethodInfo) -> Vec<ParameterInfo> {
+        let common: &[ParameterInfo] = if self == Self::Compositing { &[] } else { Hybrid::PARAMETERS };
+        [info.parameters, common].concat()
+    }
+}
+
+struct FamilyOf;
+
+impl Visitor for FamilyOf {
+    type Output = Family;
+
+    fn threshold(self, _: &impl Threshold) -> Family {
+        Family::Threshold
+    }
+
+    fn selection(self, _: &impl Selection) -> Family {
+        Family::Selection
+    }
+
+    fn compositing(self, _: &impl Compositing) -> Family {
+        Family::Compositing
+    }
+}
+
 mod object_draw;
 
 macro_rules! methods {
@@ -38,6 +75,7 @@ macro_rules! methods {
         #[derive(Clone, Debug, PartialEq)]
         pub struct Method {
             kind: Kind,
+            hybrid: Hybrid,
             text: String,
         }
 
@@ -72,9 +110,13 @@ macro_rules! methods {
             fn from_str(text: &str) -> Result<Self, MethodError> {
                 let (name, settings) = split_name(text);
                 $(if name == $module::INFO.id {
-                    let values = Values::parse($module::INFO.parameters, settings)
+                    let defaults = Values::parse($module::INFO.parameters, "").expect("defaults need no settings");
+                    let family = $module::$name::new(&defaults).accept(FamilyOf);
+                    let values = Values::parse(&family.parameters(&$module::INFO), settings)
                         .map_err(|problem| MethodError::Parameter { method: $module::INFO.id, problem })?;
-                    return Ok(Self { kind: Kind::$name($module::$name::new(&values)), text: text.to_owned() });
+                    let hybrid = if family == Family::Compositing { Hybrid::NONE } else { Hybrid::new(&values) };
+                    let kind = Kind::$name($module::$name::new(&values));
+                    return Ok(Self { kind, hybrid, text: text.to_owned() });
                 })+
                 let known = METHODS.iter().map(|info| info.id).collect::<Vec<_>>().join(", ");
                 Err(MethodError::Unknown { name: name.to_owned(), known })
@@ -91,6 +133,26 @@ methods! {
     dtaa::Dtaa,
     dtaa_unique::DtaaUnique,
     hashed::Hashed,
+}
+
+impl Method {
+    /// The contract that it fulfils.
+    #[must_use]
+    pub fn family(&self) -> Family {
+        self.visit(FamilyOf)
+    }
+
+    /// All keys it takes, those of its family among them.
+    #[must_use]
+    pub fn parameters(&self) -> Vec<ParameterInfo> {
+        self.family().parameters(self.info())
+    }
+
+    /// Up to where it is exact.
+    #[must_use]
+    pub fn hybrid(&self) -> Hybrid {
+        self.hybrid
+    }
 }
 
 impl fmt::Display for Method {
@@ -117,6 +179,18 @@ mod tests {
         let unknown = "sdt".parse::<Method>().unwrap_err().to_string();
         assert!(unknown.contains("baseline, roulette, std"), "{unknown}");
         let key = "roulette:hsah=pcg".parse::<Method>().unwrap_err().to_string();
-        assert!(key.contains("hash (pcg|mcguire)"), "{key}");
+        assert!(key.contains("hash (pcg|mcguire), hybrid (0.0..=1.0)"), "{key}");
+    }
+
+    #[test]
+    fn hybrid_is_a_key_of_every_method_that_shades_one_fragment() {
+        for info in METHODS {
+            let hybrid = format!("{}:hybrid=0.5,layers=4", info.id).parse::<Method>();
+            let family = info.id.parse::<Method>().unwrap().family();
+            assert_eq!(hybrid.is_ok(), family != Family::Compositing, "{}", info.id);
+            if let Ok(method) = hybrid {
+                assert_eq!(method.hybrid(), Hybrid { visibility: 0.5, layers: Some(4) });
+            }
+        }
     }
 }
