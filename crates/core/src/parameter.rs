@@ -27,7 +27,9 @@ pub enum ParameterRange {
 }
 
 impl ParameterRange {
-    fn holds(self, value: &str) -> bool {
+    /// Whether a value, as it was typed, is allowed.
+    #[must_use]
+    pub fn holds(self, value: &str) -> bool {
         match self {
             Self::Count(low, high) => value.parse().is_ok_and(|count: u32| (low..=high).contains(&count)),
             Self::Real(low, high) => value.parse().is_ok_and(|real: f32| (low..=high).contains(&real)),

@@ -18,7 +18,7 @@ const LEVEL_COUNT: u32 = 10;
 /// The plane fills a 16:9 picture exactly.
 const HALF_WIDTH: f32 = 16.0 / 9.0;
 
-pub(super) fn build(_: &Values<'_>) -> Result<Scene, SceneError> {
+pub(super) fn build(_: &Values) -> Result<Scene, SceneError> {
     let mut stage = Stage::new("calibration", Environment::black());
     let unlit = |name: &str, alpha_mode| Material {
         name: name.to_owned(),

@@ -97,14 +97,14 @@ const HALF_EXTENT: Vec2 = Vec2::new(32.0, 2.0);
 /// Between neighbouring layers, metres; small steps keep the deepest of 64 layers near.
 const SPACING: f32 = 0.25;
 
-pub(super) fn build(values: &Values<'_>) -> Result<Scene, SceneError> {
+pub(super) fn build(values: &Values) -> Result<Scene, SceneError> {
     let (count, alpha) = (values.count("count"), values.real("alpha"));
     let colours = LayerColours::from_word(values.text("colours")).expect("checked against its range");
     let mut stage = Stage::new("layers", Environment::black());
 
     // Stored in shuffled order: a method that composites right does not live on the order of the list.
     let mut order: Vec<u32> = (0..count).collect();
-    Chance::new(values.seed(), "layers").shuffle(&mut order);
+    Chance::new(values.count(SEED.key), "layers").shuffle(&mut order);
     for index in order {
         let colour = colours.layer(index, count).extend(alpha);
         put_sheet(&mut stage, &format!("layer {index}"), AlphaMode::Blend, colour, -(index as f32) * SPACING);

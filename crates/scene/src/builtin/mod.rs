@@ -4,7 +4,7 @@
 //! file and a new row. What scenes share lies beside them: `stage` puts parts together, `shape` models, `paint` makes textures, `palette`
 //! holds the materials of the town; `house`, `foliage`, `furniture`, `square` and `smoke` are what stands in it.
 
-use std::fmt;
+use sheer_core::parameter::{ParameterInfo, ParameterRange, Values, split_name};
 
 use crate::{SceneError, scene::Scene};
 
@@ -37,41 +37,7 @@ pub struct BuiltinInfo {
     pub source: &'static str,
     /// What can be set, `seed` last.
     pub parameters: &'static [ParameterInfo],
-    build: fn(&Values<'_>) -> Result<Scene, SceneError>,
-}
-
-/// One parameter of a built-in scene.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ParameterInfo {
-    /// The word before the `=`.
-    pub key: &'static str,
-    /// Its value where none is given.
-    pub default: &'static str,
-    /// What it may be.
-    pub range: ParameterRange,
-    /// What it does.
-    pub what: &'static str,
-}
-
-/// Values that a parameter may take.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum ParameterRange {
-    /// A whole number from the first to the second, both included.
-    Count(u32, u32),
-    /// A number from the first to the second, both included.
-    Real(f32, f32),
-    /// One of these words.
-    Choice(&'static [&'static str]),
-}
-
-impl fmt::Display for ParameterRange {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Count(low, high) => write!(f, "{low}..={high}"),
-            Self::Real(low, high) => write!(f, "{low:?}..={high:?}"),
-            Self::Choice(words) => f.write_str(&words.join("|")),
-        }
-    }
+    build: fn(&Values) -> Result<Scene, SceneError>,
 }
 
 /// Every scene takes this one.
@@ -129,73 +95,14 @@ pub fn catalogue() -> &'static [BuiltinInfo] {
 /// # Errors
 /// [`SceneError::Unknown`] if no scene has that name; [`SceneError::Parameter`] with what is allowed if a key or a value is off.
 pub fn build(text: &str) -> Result<Scene, SceneError> {
-    let (name, settings) = text.split_once(':').unwrap_or((text, ""));
+    let (name, settings) = split_name(text);
     let info = catalogue()
         .iter()
         .find(|info| info.name == name)
         .ok_or_else(|| SceneError::Unknown(text.to_owned()))?;
-    (info.build)(&Values::parse(info, settings)?)
-}
-
-/// The parameters of a scene that is being built, each one checked against its range.
-struct Values<'a> {
-    info: &'static BuiltinInfo,
-    given: Vec<(&'static str, &'a str)>,
-}
-
-impl<'a> Values<'a> {
-    fn parse(info: &'static BuiltinInfo, settings: &'a str) -> Result<Self, SceneError> {
-        let problem = |problem| SceneError::Parameter { scene: info.name.to_owned(), problem };
-        let mut given: Vec<(&'static str, &str)> = Vec::new();
-        for setting in settings.split(',').map(str::trim).filter(|setting| !setting.is_empty()) {
-            let (key, value) =
-                setting.split_once('=').ok_or_else(|| problem(format!("'{setting}' is not KEY=VALUE")))?;
-            let parameter =
-                info.parameters.iter().find(|parameter| parameter.key == key).ok_or_else(|| {
-                    let allowed: Vec<_> =
-                        info.parameters.iter().map(|p| format!("{} ({})", p.key, p.range)).collect();
-                    problem(format!("there is no parameter '{key}'; it takes {}", allowed.join(", ")))
-                })?;
-            if !parameter.range.holds(value) {
-                return Err(problem(format!("{key}={value} is not in {}", parameter.range)));
-            }
-            if given.iter().any(|(earlier, _)| *earlier == key) {
-                return Err(problem(format!("{key} is given twice")));
-            }
-            given.push((parameter.key, value));
-        }
-        Ok(Self { info, given })
-    }
-
-    fn text(&self, key: &str) -> &str {
-        if let Some((_, value)) = self.given.iter().find(|(given, _)| *given == key) {
-            return value;
-        }
-        let parameter = self.info.parameters.iter().find(|parameter| parameter.key == key);
-        parameter.expect("a scene asks only for parameters of its own row").default
-    }
-
-    fn count(&self, key: &str) -> u32 {
-        self.text(key).parse().expect("checked against its range")
-    }
-
-    fn real(&self, key: &str) -> f32 {
-        self.text(key).parse().expect("checked against its range")
-    }
-
-    fn seed(&self) -> u32 {
-        self.count(SEED.key)
-    }
-}
-
-impl ParameterRange {
-    fn holds(self, value: &str) -> bool {
-        match self {
-            Self::Count(low, high) => value.parse().is_ok_and(|count: u32| (low..=high).contains(&count)),
-            Self::Real(low, high) => value.parse().is_ok_and(|real: f32| (low..=high).contains(&real)),
-            Self::Choice(words) => words.contains(&value),
-        }
-    }
+    let values = Values::parse(info.parameters, settings)
+        .map_err(|problem| SceneError::Parameter { scene: info.name.to_owned(), problem })?;
+    (info.build)(&values)
 }
 
 #[cfg(test)]

@@ -22,9 +22,9 @@ pub(super) const PARAMETERS: &[ParameterInfo] = &[
 
 const YFOV_RAD: f32 = 0.80;
 
-pub(super) fn build(values: &Values<'_>) -> Result<Scene, SceneError> {
+pub(super) fn build(values: &Values) -> Result<Scene, SceneError> {
     let mut stage = Stage::new("pane", square::sky());
-    let palette = square::raise(&mut stage, values.seed());
+    let palette = square::raise(&mut stage, values.count(SEED.key));
 
     let material = stage.material(Material {
         name: "pane".to_owned(),

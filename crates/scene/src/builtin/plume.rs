@@ -41,7 +41,7 @@ const LOOP_SECS: f32 = 12.0;
 /// How high the smoke gets before it has dissolved.
 const HEIGHT: f32 = 6.6;
 
-pub(super) fn build(values: &Values<'_>) -> Result<Scene, SceneError> {
+pub(super) fn build(values: &Values) -> Result<Scene, SceneError> {
     let towards_sun = Vec3::new(-0.84, 0.40, 0.30).normalize();
     let environment = Environment {
         zenith: Vec3::new(0.035, 0.050, 0.085),
@@ -57,16 +57,16 @@ pub(super) fn build(values: &Values<'_>) -> Result<Scene, SceneError> {
         ],
     };
     let mut stage = Stage::new("plume", environment);
-    let palette = Palette::new(&mut stage, values.seed());
+    let palette = Palette::new(&mut stage, values.count(SEED.key));
     stage.sun(towards_sun, Vec3::new(8.6, 7.2, 5.4));
-    put_court(&mut stage, &palette, values.seed());
+    put_court(&mut stage, &palette, values.count(SEED.key));
 
-    let material = smoke::material(&mut stage, values.seed());
+    let material = smoke::material(&mut stage, values.count(SEED.key));
     stage.particles(ParticleSystem {
         name: "plume".to_owned(),
         material,
         atlas: ATLAS,
-        particles: plume(values.count("particles"), values.real("density"), values.seed()),
+        particles: plume(values.count("particles"), values.real("density"), values.count(SEED.key)),
         loop_secs: Some(LOOP_SECS),
         turbulence: Turbulence { amplitude: 0.11, scale: 2.2, speed: 0.06 },
         fade: [0.06, 0.55],

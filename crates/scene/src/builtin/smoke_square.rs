@@ -45,11 +45,11 @@ const LOOP_SECS: f32 = 18.0;
 const WIND: Vec3 = Vec3::new(-0.20, 0.015, 0.05);
 const YFOV_RAD: f32 = 0.87;
 
-pub(super) fn build(values: &Values<'_>) -> Result<Scene, SceneError> {
+pub(super) fn build(values: &Values) -> Result<Scene, SceneError> {
     let mut stage = Stage::new("smoke-square", square::sky());
-    square::raise(&mut stage, values.seed());
-    let material = smoke::material(&mut stage, values.seed());
-    let cloud = cloud(values.count("particles"), values.real("density"), values.seed());
+    square::raise(&mut stage, values.count(SEED.key));
+    let material = smoke::material(&mut stage, values.count(SEED.key));
+    let cloud = cloud(values.count("particles"), values.real("density"), values.count(SEED.key));
     stage.particles(ParticleSystem {
         name: "cloud".to_owned(),
         material,

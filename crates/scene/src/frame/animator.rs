@@ -1,0 +1,251 @@
+//! Plays a scene: what each moment adds to the frame.
+
+use std::sync::Arc;
+
+use glam::{Mat3, Vec3};
+use rayon::prelude::*;
+
+use super::{
+    Frame, FrameLight, Look, MIRRORED, OPAQUE, Object, QUAD_UVS, SINGLE_SIDED, TriangleOpacity, camera_pose,
+    corner_uvs,
+    deform::{deform, normal_matrix},
+    gather,
+    pose::{NodePose, instance_moves, moving_nodes},
+};
+use crate::{
+    camera::{Camera, CameraPose},
+    model::{AlphaMode, TextureRef},
+    particle::ParticleSystem,
+    scene::Scene,
+};
+
+/// Plays a scene: holds the frame and recomputes what moves.
+#[derive(Clone, Debug)]
+pub struct Animator {
+    camera: Camera,
+    /// Instances that move, in the order of their triangles.
+    moving: Vec<u32>,
+    static_objects: usize,
+    static_opacities: usize,
+    first_particle_id: u32,
+    frame: Frame,
+}
+
+impl Animator {
+    /// Prepares a scene seen through a camera of it (see [`Scene::camera`]), at time zero.
+    #[must_use]
+    pub fn new(scene: Arc<Scene>, camera: Camera) -> Self {
+        let parts = scene.parts();
+        let node_moves = moving_nodes(parts);
+        let pose = camera_pose(&scene, &camera, 0.0);
+        let (moving, still): (Vec<u32>, Vec<u32>) =
+            (0..parts.instances.len() as u32).partition(|&index| instance_moves(parts, &node_moves, index));
+        let first_particle_id = parts.instances.iter().map(|instance| instance.id + 1).max().unwrap_or(0);
+        let frame = Frame {
+            scene: Arc::clone(&scene),
+            time_secs: 0.0,
+            camera: pose,
+            previous_camera: pose,
+            static_count: 0,
+            triangles: Vec::new(),
+            previous_moving: Vec::new(),
+            triangle_object: Vec::new(),
+            objects: Vec::new(),
+            opacity_slot: Vec::new(),
+            opacities: Vec::new(),
+            deformed_normals: Vec::new(),
+            lights: Vec::new(),
+        };
+        let mut animator =
+            Self { camera, moving, static_objects: 0, static_opacities: 0, first_particle_id, frame };
+        let pose = NodePose::at(scene.parts(), 0.0);
+        for index in still {
+            animator.emit_instance(&pose, index);
+        }
+        animator.frame.deformed_normals.clear();
+        animator.frame.static_count = animator.frame.triangles.len();
+        animator.static_objects = animator.frame.objects.len();
+        animator.static_opacities = animator.frame.opacities.len();
+        animator.advance(0.0, 0.0);
+        animator
+    }
+
+    /// The frame of the last [`Self::advance`].
+    #[must_use]
+    pub fn frame(&self) -> &Frame {
+        &self.frame
+    }
+
+    /// Moves to a time; motion vectors will point to where things were at `previous_secs`.
+    pub fn advance(&mut self, time_secs: f32, previous_secs: f32) -> &Frame {
+        let scene = Arc::clone(&self.frame.scene);
+        self.frame.time_secs = time_secs;
+        self.frame.camera = camera_pose(&scene, &self.camera, time_secs);
+        self.frame.previous_camera = camera_pose(&scene, &self.camera, previous_secs);
+
+        // Meshes: first where they were, then where they are.
+        self.truncate_to_static();
+        if !self.moving.is_empty() && previous_secs != time_secs {
+            self.emit_moving(&NodePose::at(scene.parts(), previous_secs));
+        }
+        let mut previous = std::mem::take(&mut self.frame.previous_moving);
+        previous.clear();
+        previous.extend_from_slice(&self.frame.triangles[self.frame.static_count..]);
+        self.truncate_to_static();
+        let pose = NodePose::at(scene.parts(), time_secs);
+        self.emit_moving(&pose);
+        if previous_secs == time_secs {
+            previous.clear();
+            previous.extend_from_slice(&self.frame.triangles[self.frame.static_count..]);
+        }
+        self.frame.previous_moving = previous;
+
+        let mut next_id = self.first_particle_id;
+        for system in &scene.parts().particles {
+            self.emit_particles(system, next_id, time_secs, previous_secs);
+            next_id += system.particles.len() as u32;
+        }
+        self.frame.lights.clear();
+        self.frame.lights.extend(scene.parts().lights.iter().map(|light| {
+            let world_from_node = pose.world_from_node[light.node as usize];
+            FrameLight {
+                position: world_from_node.translation.into(),
+                direction: world_from_node.transform_vector3(Vec3::NEG_Z).normalize_or(Vec3::NEG_Y),
+                intensity: light.intensity,
+                kind: light.kind,
+            }
+        }));
+        &self.frame
+    }
+
+    fn truncate_to_static(&mut self) {
+        let frame = &mut self.frame;
+        frame.triangles.truncate(frame.static_count);
+        frame.triangle_object.truncate(frame.static_count);
+        frame.opacity_slot.truncate(frame.static_count);
+        frame.objects.truncate(self.static_objects);
+        frame.opacities.truncate(self.static_opacities);
+        frame.deformed_normals.clear();
+    }
+
+    fn emit_moving(&mut self, pose: &NodePose) {
+        for index in self.moving.clone() {
+            self.emit_instance(pose, index);
+        }
+    }
+
+    /// Appends an instance's object, triangles and opacities to the frame.
+    fn emit_instance(&mut self, pose: &NodePose, index: u32) {
+        let scene = Arc::clone(&self.frame.scene);
+        let parts = scene.parts();
+        let instance = &parts.instances[index as usize];
+        let mesh = &parts.meshes[instance.mesh as usize];
+        let material = &parts.materials[mesh.material as usize];
+        let world_from_object = pose.world_from_node[instance.node as usize] * instance.node_from_object;
+        let frame = &mut self.frame;
+
+        let deforms = instance.skin.is_some() || !mesh.morph_targets.is_empty();
+        let look = if deforms {
+            let first_normal = (!mesh.normals.is_empty()).then_some(frame.deformed_normals.len() as u32);
+            let positions = deform(parts, pose, index, world_from_object, &mut frame.deformed_normals);
+            frame
+                .triangles
+                .extend(mesh.indices.iter().map(|corners| corners.map(|corner| positions[corner as usize])));
+            Look::Deformed { mesh: instance.mesh, first_normal }
+        } else {
+            let vector_from_object = Mat3::from(world_from_object.matrix3);
+            let corner = |corner: u32| world_from_object.transform_point3(mesh.positions[corner as usize]);
+            frame.triangles.par_extend(mesh.indices.par_iter().map(|corners| corners.map(corner)));
+            let normal_from_object = normal_matrix(vector_from_object);
+            Look::Rigid { mesh: instance.mesh, normal_from_object, vector_from_object }
+        };
+        // A skinned mesh does not follow its own node (glTF 2.0, 3.7.3.3).
+        let mirrored = instance.skin.is_none() && world_from_object.matrix3.determinant() < 0.0;
+
+        let object = Object {
+            id: instance.id,
+            geometry: instance.geometry,
+            material: mesh.material,
+            first_triangle: frame.triangle_object.len() as u32,
+            look,
+        };
+        let mut flags = if mirrored { MIRRORED } else { 0 };
+        flags |= if material.double_sided { 0 } else { SINGLE_SIDED };
+        let count = mesh.indices.len();
+        frame.triangle_object.extend(std::iter::repeat_n(frame.objects.len() as u32, count));
+        frame.objects.push(object);
+        if material.alpha_mode == AlphaMode::Opaque && material.opacity >= 1.0 {
+            frame.opacity_slot.extend(std::iter::repeat_n(flags | OPAQUE, count));
+            return;
+        }
+        for corners in &mesh.indices {
+            let vertices = corners.map(|corner| corner as usize);
+            let alpha =
+                gather(&mesh.colours, vertices).map_or([1.0; 3], |colours| colours.map(|colour| colour.w));
+            let uvs = |used: &TextureRef| corner_uvs(mesh, vertices, used.uv_set);
+            frame.opacity_slot.push(flags | frame.opacities.len() as u32);
+            frame.opacities.push(TriangleOpacity::new(material, alpha, uvs));
+        }
+    }
+
+    /// Appends the living particles of a system.
+    fn emit_particles(&mut self, system: &ParticleSystem, first_id: u32, time_secs: f32, previous_secs: f32) {
+        let scene = Arc::clone(&self.frame.scene);
+        let material = &scene.parts().materials[system.material as usize];
+        let (camera, previous_camera) = (self.frame.camera, self.frame.previous_camera);
+        let quads: Vec<_> = (0..system.particles.len())
+            .into_par_iter()
+            .filter_map(|index| {
+                let puff = system.puff(index, time_secs)?;
+                let alpha = puff.alpha * system.near_factor(camera.view_depth(puff.centre));
+                if alpha <= 0.0 {
+                    return None;
+                }
+                let (right, up) = quad_axes(&camera, puff.rotation_rad);
+                let corners = quad_corners(puff.centre, right * puff.half_size, up * puff.half_size);
+                let before = system.puff(index, previous_secs).map_or(corners, |puff| {
+                    let (right, up) = quad_axes(&previous_camera, puff.rotation_rad);
+                    quad_corners(puff.centre, right * puff.half_size, up * puff.half_size)
+                });
+                Some((index, alpha, right, up, corners, before))
+            })
+            .collect();
+
+        let frame = &mut self.frame;
+        for (index, alpha, right, up, corners, before) in quads {
+            let particle = &system.particles[index];
+            let (tile_origin, tile_size) = system.tile(particle.tile);
+            let object = Object {
+                id: first_id + index as u32,
+                geometry: 0,
+                material: system.material,
+                first_triangle: frame.triangles.len() as u32,
+                look: Look::Quad { right, up, tile_origin, tile_size, tint: particle.tint },
+            };
+            for (half, local) in QUAD_UVS.iter().enumerate() {
+                let uvs = |_: &TextureRef| local.map(|local| tile_origin + local * tile_size);
+                frame.triangles.push(corners[half]);
+                frame.previous_moving.push(before[half]);
+                frame.triangle_object.push(frame.objects.len() as u32);
+                frame.opacity_slot.push(frame.opacities.len() as u32);
+                frame.opacities.push(TriangleOpacity::new(material, [alpha; 3], uvs));
+            }
+            frame.objects.push(object);
+        }
+    }
+}
+
+/// Unit axes of a quad that faces the camera, turned in its plane.
+fn quad_axes(camera: &CameraPose, rotation_rad: f32) -> (Vec3, Vec3) {
+    let axes = camera.world_from_camera.matrix3;
+    let (right, up) = (Vec3::from(axes.x_axis), Vec3::from(axes.y_axis));
+    let (sin, cos) = rotation_rad.sin_cos();
+    (right * cos + up * sin, up * cos - right * sin)
+}
+
+/// Two triangles, counter-clockwise seen from the camera, corners in the order of [`QUAD_UVS`].
+fn quad_corners(centre: Vec3, right: Vec3, up: Vec3) -> [[Vec3; 3]; 2] {
+    let (low_left, low_right) = (centre - right - up, centre + right - up);
+    let (high_right, high_left) = (centre + right + up, centre - right + up);
+    [[low_left, low_right, high_right], [low_left, high_right, high_left]]
+}

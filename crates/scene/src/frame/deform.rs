@@ -1,0 +1,85 @@
+//! Morphing and skinning on the CPU.
+
+use glam::{Affine3A, Mat3, Vec3};
+
+use super::pose::NodePose;
+use crate::model::SceneParts;
+
+/// The matrix that takes normals along with an affine map; also right for mirrored and flattened ones.
+pub(super) fn normal_matrix(vector_from_object: Mat3) -> Mat3 {
+    let Mat3 { x_axis, y_axis, z_axis } = vector_from_object;
+    // The cofactor matrix: inverse transpose times the determinant, without dividing by it.
+    let cofactors = Mat3::from_cols(y_axis.cross(z_axis), z_axis.cross(x_axis), x_axis.cross(y_axis));
+    if vector_from_object.determinant() < 0.0 { -cofactors } else { cofactors }
+}
+
+/// World positions of a morphed and skinned instance; its unit normals are appended to `normals`.
+pub(super) fn deform(
+    parts: &SceneParts,
+    pose: &NodePose,
+    index: u32,
+    world_from_object: Affine3A,
+    normals: &mut Vec<Vec3>,
+) -> Vec<Vec3> {
+    let instance = &parts.instances[index as usize];
+    let mesh = &parts.meshes[instance.mesh as usize];
+    let animated = pose.morph_weights.iter().find(|(node, _)| *node == instance.node);
+    let weights = animated.map_or(&instance.morph_weights, |(_, weights)| weights);
+
+    let mut positions = mesh.positions.clone();
+    let mut own_normals = mesh.normals.clone();
+    for (target, &weight) in mesh.morph_targets.iter().zip(weights).filter(|(_, weight)| **weight != 0.0) {
+        positions
+            .iter_mut()
+            .zip(&target.positions)
+            .for_each(|(position, delta)| *position += *delta * weight);
+        own_normals.iter_mut().zip(&target.normals).for_each(|(normal, delta)| *normal += *delta * weight);
+    }
+
+    let joints: Vec<Affine3A> = instance.skin.map_or_else(Vec::new, |skin| {
+        let skin = &parts.skins[skin as usize];
+        let world_from_joint = skin.joints.iter().map(|&joint| pose.world_from_node[joint as usize]);
+        world_from_joint.zip(&skin.inverse_bind).map(|(world, bind)| world * *bind).collect()
+    });
+    let rigid = normal_matrix(Mat3::from(world_from_object.matrix3));
+    for (vertex, position) in positions.iter_mut().enumerate() {
+        let normal = own_normals.get_mut(vertex);
+        let per_vertex = mesh.influences_per_vertex;
+        if joints.is_empty() || per_vertex == 0 {
+            *position = world_from_object.transform_point3(*position);
+            if let Some(normal) = normal {
+                *normal = (rigid * *normal).normalize_or_zero();
+            }
+            continue;
+        }
+        let influences = &mesh.influences[vertex * per_vertex..][..per_vertex];
+        let mut blended = Affine3A::ZERO;
+        for influence in influences {
+            let joint = &joints[usize::from(influence.joint)];
+            blended.matrix3 += joint.matrix3 * influence.weight;
+            blended.translation += joint.translation * influence.weight;
+        }
+        *position = blended.transform_point3(*position);
+        if let Some(normal) = normal {
+            *normal = (normal_matrix(Mat3::from(blended.matrix3)) * *normal).normalize_or_zero();
+        }
+    }
+    normals.extend(own_normals);
+    positions
+}
+
+/// Calls `visit` with the world position of each vertex of each instance at time zero.
+pub(crate) fn for_each_vertex_at_rest(parts: &SceneParts, visit: &mut impl FnMut(Vec3)) {
+    let pose = NodePose::at(parts, 0.0);
+    for (index, instance) in parts.instances.iter().enumerate() {
+        let mesh = &parts.meshes[instance.mesh as usize];
+        let world_from_object = pose.world_from_node[instance.node as usize] * instance.node_from_object;
+        if instance.skin.is_some() || !mesh.morph_targets.is_empty() {
+            deform(parts, &pose, index as u32, world_from_object, &mut Vec::new())
+                .into_iter()
+                .for_each(&mut *visit);
+        } else {
+            mesh.positions.iter().for_each(|&position| visit(world_from_object.transform_point3(position)));
+        }
+    }
+}

@@ -1,0 +1,103 @@
+//! Where nodes and cameras are at a time.
+
+use glam::{Affine3A, Quat};
+
+use crate::{
+    camera::{Camera, CameraMotion, CameraPose, pose_on_rails},
+    keys::value_at,
+    model::{SceneParts, Track, Transform},
+    scene::Scene,
+};
+
+/// All nodes at one moment.
+pub(super) struct NodePose {
+    pub(super) world_from_node: Vec<Affine3A>,
+    /// Animated morph weights by node.
+    pub(super) morph_weights: Vec<(u32, Vec<f32>)>,
+}
+
+impl NodePose {
+    pub(super) fn at(parts: &SceneParts, time_secs: f32) -> Self {
+        let mut local: Vec<Transform> = parts.nodes.iter().map(|node| node.transform).collect();
+        let mut morph_weights = Vec::new();
+        for animation in &parts.animations {
+            let duration_secs =
+                animation.channels.iter().map(|channel| channel.track.end_secs()).fold(0.0, f32::max);
+            let time_secs = if duration_secs > 0.0 { time_secs.rem_euclid(duration_secs) } else { time_secs };
+            for channel in &animation.channels {
+                match (&channel.track, &mut local[channel.node as usize]) {
+                    (Track::Translation(keys), Transform::Trs { translation, .. }) => {
+                        *translation = value_at(keys, time_secs);
+                    }
+                    (Track::Rotation(keys), Transform::Trs { rotation, .. }) => {
+                        *rotation = unit(value_at(keys, time_secs));
+                    }
+                    (Track::Scale(keys), Transform::Trs { scale, .. }) => *scale = value_at(keys, time_secs),
+                    (Track::MorphWeights(keys), _) => {
+                        morph_weights.push((channel.node, value_at(keys, time_secs)));
+                    }
+                    // Validation has refused animated matrices.
+                    (_, Transform::Matrix(_)) => {}
+                }
+            }
+        }
+        let mut world_from_node: Vec<Affine3A> = Vec::with_capacity(parts.nodes.len());
+        for (node, transform) in parts.nodes.iter().zip(local) {
+            let parent = node.parent.map_or(Affine3A::IDENTITY, |parent| world_from_node[parent as usize]);
+            world_from_node.push(parent * transform.to_affine());
+        }
+        Self { world_from_node, morph_weights }
+    }
+}
+
+/// A quaternion made unit again; the identity if it has no direction.
+fn unit(rotation: Quat) -> Quat {
+    if rotation.length_squared() > 1e-12 { rotation.normalize() } else { Quat::IDENTITY }
+}
+
+impl Track {
+    fn end_secs(&self) -> f32 {
+        match self {
+            Self::Translation(keys) | Self::Scale(keys) => keys.end_secs(),
+            Self::Rotation(keys) => keys.end_secs(),
+            Self::MorphWeights(keys) => keys.end_secs(),
+        }
+    }
+}
+
+/// Which nodes an animation moves, directly or through a parent.
+pub(super) fn moving_nodes(parts: &SceneParts) -> Vec<bool> {
+    let mut moves = vec![false; parts.nodes.len()];
+    for channel in parts.animations.iter().flat_map(|animation| &animation.channels) {
+        moves[channel.node as usize] |= !matches!(channel.track, Track::MorphWeights(_));
+    }
+    for (index, node) in parts.nodes.iter().enumerate() {
+        if let Some(parent) = node.parent {
+            moves[index] |= moves[parent as usize];
+        }
+    }
+    moves
+}
+
+/// Deformed instances always count as moving: their normals live with the frame.
+pub(super) fn instance_moves(parts: &SceneParts, node_moves: &[bool], index: u32) -> bool {
+    let instance = &parts.instances[index as usize];
+    let mesh = &parts.meshes[instance.mesh as usize];
+    instance.skin.is_some() || !mesh.morph_targets.is_empty() || node_moves[instance.node as usize]
+}
+
+/// Where a camera is at a time.
+pub(crate) fn camera_pose(scene: &Scene, camera: &Camera, time_secs: f32) -> CameraPose {
+    if let Some(pose) = pose_on_rails(camera.lens, &camera.motion, time_secs) {
+        return pose;
+    }
+    let CameraMotion::Node(node) = camera.motion else {
+        unreachable!("only a camera on a node has no rails");
+    };
+    let world_from_node = NodePose::at(scene.parts(), time_secs).world_from_node[node as usize];
+    let (_, rotation, translation) = world_from_node.to_scale_rotation_translation();
+    CameraPose {
+        world_from_camera: Affine3A::from_rotation_translation(unit(rotation), translation),
+        lens: camera.lens,
+    }
+}
