@@ -4,5 +4,8 @@ pub mod blue_noise;
 pub mod colour;
 pub mod hash;
 pub mod parameter;
+pub mod spatio_temporal;
+#[cfg(test)]
+mod spectrum;
 pub mod threshold_map;
 mod void_and_cluster;
