@@ -37,7 +37,15 @@ fn sites(side: u32, frames: std::ops::Range<u32>, instance: u32) -> impl Iterato
     frames.flat_map(move |frame| {
         (0..side * side).map(move |index| {
             let [x, y] = [index % side, index / side];
-            Site { pixel: [[x], [y]], frame, instance: [instance], ..Site::default() }
+            Site {
+                pixel: [[x], [y]],
+                frame,
+                instance: [instance],
+                position: [[x as f32], [y as f32], [instance as f32]],
+                position_in_object: [[x as f32], [y as f32], [0.0]],
+                footprint_in_object: [0.8],
+                ..Site::default()
+            }
         })
     })
 }
@@ -66,7 +74,7 @@ fn dtaa_masks_the_second_of_two_equal_layers_and_methods_with_maps_of_their_own_
     for alpha in [0.25, 0.5, 0.75] {
         assert_eq!(second_layer_share("dtaa", alpha, 0..3), (0.0, 0.0), "alpha {alpha}");
         let free = f64::from(alpha * (1.0 - alpha));
-        for method in ["dtaa-unique", "std"] {
+        for method in ["dtaa-unique", "std", "hashed", "stbn"] {
             let (mean, _) = second_layer_share(method, alpha, 0..3);
             // Pairs of objects draw from few maps with few thresholds each: not quite as if they were independent.
             assert!((mean - free).abs() < 0.03, "{method} at alpha {alpha}: {mean} of {free}");
@@ -107,4 +115,44 @@ fn maps_drawn_anew_free_any_two_objects_of_masking_one_another_for_good() {
     let (mean, redrawn) = second_layer_share("std:rehash=3", 0.5, 0..36);
     assert!(redrawn < 0.5 * fixed, "standard errors {redrawn} and {fixed}");
     assert!((mean - 0.25).abs() < 0.03, "{mean}");
+}
+
+/// Standard deviations by which the chi-square statistic of 64 equally likely bins exceeds its mean, over objects, pixels and frames.
+fn chi_square_z(value: impl Fn(&Site<1>) -> f32) -> f64 {
+    let mut counts = [0_u32; 64];
+    // Far from one another: neighbours share cells and strata.
+    for number in 0..1_u32 << 16 {
+        let [x, y] = [number.wrapping_mul(2_654_435_761) >> 20, number.wrapping_mul(2_246_822_519) >> 20];
+        let site = Site {
+            pixel: [[x], [y]],
+            frame: number,
+            instance: [number],
+            primitive: [number],
+            position: [[x as f32 / 16.0], [y as f32 / 16.0], [1.0]],
+            position_in_object: [[x as f32], [y as f32], [1.0]],
+            footprint_in_object: [0.3 + x as f32 / 4096.0],
+            ..Site::default()
+        };
+        counts[(value(&site) * 64.0) as usize] += 1;
+    }
+    let expected = f64::from(counts.iter().sum::<u32>()) / 64.0;
+    let chi_square: f64 = counts.iter().map(|&count| (f64::from(count) - expected).powi(2) / expected).sum();
+    (chi_square - 63.0) / (2.0 * 63.0_f64).sqrt()
+}
+
+#[test]
+fn the_thresholds_of_every_method_are_uniform_over_objects_and_pixels() {
+    for name in ["roulette", "dtaa", "dtaa-unique", "std", "hashed", "stbn"] {
+        let method = parse(name);
+        // Dithered thresholds are more even than chance would have them: only the upper end says something.
+        let z = chi_square_z(|site| threshold(&method, site));
+        assert!(z < 4.0, "{name}: z = {z}");
+    }
+}
+
+#[test]
+fn a_slightly_skewed_threshold_fails_the_test_of_uniformity() {
+    let method = parse("roulette");
+    let z = chi_square_z(|site| threshold(&method, site).powf(1.1));
+    assert!(z > 4.0, "z = {z}");
 }

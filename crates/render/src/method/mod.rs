@@ -133,6 +133,7 @@ methods! {
     dtaa::Dtaa,
     dtaa_unique::DtaaUnique,
     hashed::Hashed,
+    stbn::Stbn,
 }
 
 impl Method {
