@@ -1,4 +1,5 @@
 //! Every method on scenes whose answer is known, and the promises of the CPU backend.
+#![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 use glam::Vec3;
 use sheer_core::colour::Premul;
@@ -24,11 +25,22 @@ fn play(
 ) -> (Planes, Counters) {
     let scene = sheer_scene::open(scene).unwrap().scene;
     let mut stage = Stage::new(scene, &CameraChoice::Default, Some(threads)).unwrap();
+    play_on(&mut stage, method, aa, frames, settings)
+}
+
+/// The same on a stage that is there: building a scene takes longer than a small picture.
+fn play_on(
+    stage: &mut Stage,
+    method: &str,
+    aa: Antialiasing,
+    frames: u32,
+    settings: Settings,
+) -> (Planes, Counters) {
     let mut pipeline = Pipeline::new(method.parse().unwrap(), aa, settings).unwrap();
     let mut total = Counters::default();
     for index in 0..frames {
         stage.advance(pipeline.clock().at(index));
-        total = total + pipeline.render(&stage, index).unwrap().0;
+        total = total + pipeline.render(stage, index).unwrap().0;
     }
     (pipeline.planes().clone(), total)
 }
@@ -76,9 +88,10 @@ fn continuation_rays_and_one_traversal_give_the_same_picture() {
 
 #[test]
 fn stochastic_methods_shade_one_fragment_a_pixel_at_most() {
+    let scene = sheer_scene::open("smoke-square:particles=400").unwrap().scene;
+    let mut stage = Stage::new(scene, &CameraChoice::Default, Some(2)).unwrap();
     for info in one_fragment_methods() {
-        let (_, counters) =
-            play("smoke-square:particles=400", info.id, Antialiasing::None, 1, small(64, 36), 2);
+        let (_, counters) = play_on(&mut stage, info.id, Antialiasing::None, 1, small(64, 36));
         assert_eq!(counters.camera_rays, 64 * 36, "{}", info.id);
         assert!(counters.shaded <= 64 * 36 && counters.shaded > 0, "{}", info.id);
     }
@@ -153,31 +166,29 @@ fn a_still_pixel_converges_as_the_golden_ratio_moves_its_blue_noise() {
 
 #[test]
 fn a_hybrid_of_1_is_the_pure_method_and_one_of_0_the_baseline_to_the_bit() {
-    let settings = Settings { start_secs: 6.0, ..small(64, 36) };
-    let picture =
-        |method: &str| play("smoke-square:particles=400", method, Antialiasing::None, 1, settings, 2);
+    let settings = Settings { start_secs: 6.0, ..small(48, 27) };
+    let scene = sheer_scene::open("smoke-square:particles=400").unwrap().scene;
+    let mut stage = Stage::new(scene, &CameraChoice::Default, Some(2)).unwrap();
+    let mut picture = |method: &str| play_on(&mut stage, method, Antialiasing::None, 1, settings);
     let (baseline, exact_cost) = picture("baseline");
     for info in one_fragment_methods() {
-        let with = |keys: &str| picture(&format!("{}:{keys}", info.id));
-        assert_eq!(with("hybrid=1"), picture(info.id), "{}", info.id);
+        let mut with = |keys: &str| picture(&format!("{}:{keys}", info.id));
+        let (pure, pure_cost) = with("");
+        assert_eq!(with("hybrid=1"), (pure, pure_cost), "{}", info.id);
         let (exact, cost) = with("hybrid=0");
         assert_eq!(exact, baseline, "{}", info.id);
-        assert_eq!(
-            (cost.shaded, cost.camera_rays),
-            (exact_cost.shaded, exact_cost.camera_rays),
-            "{}",
-            info.id
-        );
-        assert_ne!(with("hybrid=0.5").0, baseline, "{}: the check is blind", info.id);
+        let rays_and_fragments = |cost: Counters| (cost.camera_rays, cost.shadow_rays, cost.shaded);
+        assert_eq!(rays_and_fragments(cost), rays_and_fragments(exact_cost), "{}", info.id);
+        assert_ne!(with("hybrid=0.9").0, baseline, "{}: the check is blind", info.id);
     }
 }
 
 #[test]
 fn a_hybrid_comes_nearer_to_the_baseline_with_each_fragment_it_shades() {
-    let settings = Settings { start_secs: 6.0, ..small(48, 27) };
-    let picture = |method: &str| {
-        play("smoke-square:particles=400", method, Antialiasing::Accumulate, 8, settings, 2)
-    };
+    let settings = Settings { start_secs: 6.0, ..small(40, 22) };
+    let scene = sheer_scene::open("smoke-square:particles=400").unwrap().scene;
+    let mut stage = Stage::new(scene, &CameraChoice::Default, Some(2)).unwrap();
+    let mut picture = |method: &str| play_on(&mut stage, method, Antialiasing::Accumulate, 6, settings);
     let (exact, _) = picture("baseline");
     for method in ["roulette", "std", "joint"] {
         let steps = ["1", "0.75", "0.5", "0.25", "0"].map(|share| {
@@ -186,8 +197,9 @@ fn a_hybrid_comes_nearer_to_the_baseline_with_each_fragment_it_shades() {
             let error: f32 = pairs.map(|(colour, exact)| (colour.rgb - exact.rgb).length_squared()).sum();
             (error.sqrt(), cost.shaded)
         });
-        let falls = steps.windows(2).all(|pair| pair[1].0 < pair[0].0 && pair[1].1 > pair[0].1);
-        assert!(falls, "{method}: {steps:?}");
+        // Not strictly at the end: once all smoke is shaded there is nothing left to gain.
+        let falls = steps.windows(2).all(|pair| pair[1].0 <= pair[0].0 && pair[1].1 >= pair[0].1);
+        assert!(falls && steps[2].0 < 0.5 * steps[0].0, "{method}: {steps:?}");
         assert_eq!(steps[4].0, 0.0, "{method}");
     }
 }
@@ -201,8 +213,7 @@ fn a_hybrid_of_roulette_is_unbiased_in_every_pixel() {
     let stage = Stage::new(scene, &CameraChoice::Default, Some(2)).unwrap();
     // Sum over pixels of the squared z of their means, in standard deviations from its expectation; and the largest z.
     let deviation = |method: &str| {
-        let mut pipeline =
-            Pipeline::new(method.parse().unwrap(), Antialiasing::None, small(32, 18)).unwrap();
+        let mut pipeline = Pipeline::new(method.parse().unwrap(), Antialiasing::None, small(32, 18)).unwrap();
         let (mut sums, mut squares) = (vec![0.0; 32 * 18], 0.0);
         for index in 0..FRAMES {
             pipeline.render(&stage, index).unwrap();
@@ -257,11 +268,14 @@ fn both_ends_of_alpha_are_exact_for_every_method() {
 
 #[test]
 fn any_number_of_threads_gives_the_same_bits() {
+    let stage = |threads| {
+        let scene = sheer_scene::open("smoke-square:particles=400").unwrap().scene;
+        Stage::new(scene, &CameraChoice::Default, Some(threads)).unwrap()
+    };
+    let mut stages = [1, 2].map(stage);
     for info in METHODS {
-        let run = |threads| {
-            play("smoke-square:particles=400", info.id, Antialiasing::Taa, 3, small(70, 45), threads)
-        };
-        let ((one, cost_of_one), (two, cost_of_two)) = (run(1), run(2));
+        let [(one, cost_of_one), (two, cost_of_two)] =
+            stages.each_mut().map(|stage| play_on(stage, info.id, Antialiasing::Taa, 3, small(70, 45)));
         assert_eq!(one, two, "{}", info.id);
         assert_eq!(cost_of_one, cost_of_two, "{}", info.id);
     }
