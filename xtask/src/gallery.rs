@@ -89,21 +89,27 @@ impl Gallery {
         let output = command.output()?;
         let talk = String::from_utf8_lossy(&output.stderr).trim().to_owned();
         ensure!(output.status.success(), "{talk}");
-        let picture = image::open(&png)?.to_rgb8();
-        fs::remove_file(&png)?;
-        let mut bytes = Vec::new();
-        JpegEncoder::new_with_quality(&mut bytes, JPEG_QUALITY).write_image(
-            &picture,
-            picture.width(),
-            picture.height(),
-            ExtendedColorType::Rgb8,
-        )?;
-        fs::write(out, bytes)?;
+        jpeg_from_png(&png, out)?;
         let lead = format!("sheer: warning: {}: ", file.display());
         let remarks =
             talk.lines().filter_map(|line| line.strip_prefix(&lead)).map(|line| line.replace('|', "\\|"));
         Ok(remarks.collect::<Vec<_>>().join("<br>"))
     }
+}
+
+/// Turns a PNG into a JPEG of another name.
+pub(crate) fn jpeg_from_png(png: &Path, jpeg: &Path) -> anyhow::Result<()> {
+    let picture = image::open(png)?.to_rgb8();
+    fs::remove_file(png)?;
+    let mut bytes = Vec::new();
+    JpegEncoder::new_with_quality(&mut bytes, JPEG_QUALITY).write_image(
+        &picture,
+        picture.width(),
+        picture.height(),
+        ExtendedColorType::Rgb8,
+    )?;
+    fs::write(jpeg, bytes)?;
+    Ok(())
 }
 
 fn collect(folder: &Path, files: &mut Vec<PathBuf>) -> anyhow::Result<()> {

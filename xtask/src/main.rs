@@ -9,6 +9,7 @@ use anyhow::{Context as _, ensure};
 use clap::{Parser, Subcommand};
 
 mod gallery;
+mod results;
 mod rules;
 mod test;
 
@@ -25,6 +26,8 @@ enum Task {
     Test,
     /// Check the rules that the compiler cannot: paths in ARCHITECTURE.md exist, values are written once.
     Rules,
+    /// Measure what the README claims and write it there: half an hour on a quiet machine is best.
+    Results,
     /// Render every .gltf and .glb file below a folder and write a contact sheet.
     Gallery(gallery::Gallery),
 }
@@ -33,6 +36,7 @@ fn main() -> ExitCode {
     let result = match Arguments::parse().task {
         Task::Test => test::run(),
         Task::Rules => rules::run(),
+        Task::Results => results::run(),
         Task::Gallery(gallery) => gallery.run(),
     };
     match result {
