@@ -1,8 +1,13 @@
 //! What the threshold methods promise of their thresholds: spread, stratification, and how stacked layers mask one another.
+#![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 use sheer_render::{
-    Method,
+    Antialiasing, Method, Pipeline, Settings, Stage,
     contract::{Compositing, Selection, Site, Tables, Threshold, Visitor, keeps},
+};
+use sheer_scene::{
+    CameraChoice,
+    builtin::{LayerColours, layers_closed_form},
 };
 
 /// The threshold of a method at one site.
@@ -155,4 +160,28 @@ fn a_slightly_skewed_threshold_fails_the_test_of_uniformity() {
     let method = parse("roulette");
     let z = chi_square_z(|site| threshold(&method, site).powf(1.1));
     assert!(z > 4.0, "z = {z}");
+}
+
+#[test]
+fn hashed_layers_converge_to_the_closed_form() {
+    const FRAMES: u32 = 200;
+    let [width, height] = [32, 18];
+    let scene = sheer_scene::open("layers:count=3,alpha=0.4,background=0").unwrap().scene;
+    let mut stage = Stage::new(scene, &CameraChoice::Default, Some(2)).unwrap();
+    let settings = Settings { size: [width, height], ..Settings::default() };
+    let mut pipeline = Pipeline::new(parse("hashed"), Antialiasing::Accumulate, settings).unwrap();
+    for index in 0..FRAMES {
+        stage.advance(pipeline.clock().at(index));
+        pipeline.render(&stage, index).unwrap();
+    }
+    // White layers over black: each sample is 0 or 1 with a chance that is known, and so is its variance.
+    let chance = f64::from(layers_closed_form(3, 0.4, LayerColours::White, 0.0).x);
+    let colours = pipeline.planes().colour.as_slice();
+    let error = (chance * (1.0 - chance) / f64::from(FRAMES)).sqrt();
+    let squares: f64 = colours.iter().map(|colour| ((f64::from(colour[0]) - chance) / error).powi(2)).sum();
+    let mean = colours.iter().map(|colour| f64::from(colour[0])).sum::<f64>() / colours.len() as f64;
+    // Up to four pixels share a cell, so the mean over pixels varies at most twice as much as of as many free ones.
+    let z = (mean - chance) / (error / (colours.len() as f64).sqrt());
+    assert!(z.abs() < 8.0, "the mean over all pixels: z = {z}");
+    assert!((squares / colours.len() as f64 - 1.0).abs() < 0.3, "squared z a pixel: {squares}");
 }

@@ -38,7 +38,13 @@ fn plane_hit([a, b, c]: [Vec3; 3], ray: &CameraRay) -> Option<[f32; 2]> {
 
 #[cfg(test)]
 mod tests {
+    use sheer_scene::CameraChoice;
+
     use super::*;
+    use crate::{
+        cpu::{Background, FrameSettings},
+        stage::Stage,
+    };
 
     #[test]
     fn a_ray_meets_the_plane_in_and_beyond_the_triangle() {
@@ -48,5 +54,29 @@ mod tests {
         assert_eq!(plane_hit(corners, &from(-2.0, 8.0, Vec3::NEG_Z)), Some([-1.0, 2.0]));
         assert_eq!(plane_hit(corners, &from(1.0, 1.0, Vec3::Z)), None, "it lies behind");
         assert_eq!(plane_hit(corners, &from(1.0, 1.0, Vec3::X)), None, "it runs beside");
+    }
+
+    #[test]
+    fn the_footprint_is_the_distance_to_the_neighbours_own_hits() {
+        let scene = sheer_scene::open("layers:count=1").unwrap().scene;
+        let stage = Stage::new(scene, &CameraChoice::Default, Some(1)).unwrap();
+        for jitter in [Vec2::ZERO, Vec2::new(0.3, -0.2)] {
+            let settings =
+                FrameSettings { size: [64, 36], frame: 0, seed: 0, jitter, background: Background::None };
+            let tracer = Tracer::new(&stage, &settings);
+            let at = |pixel| {
+                let ray = tracer.ray(&tracer.camera_ray(tracer.sample(pixel)));
+                tracer.object_space(pixel, &stage.bvh().closest(&ray, |_| true).unwrap())
+            };
+            // Both triangles of the layer are met.
+            for [x, y] in [[5, 3], [5, 30], [60, 3], [60, 30]] {
+                let (here, footprint) = at([x, y]);
+                let expected = here.distance(at([x + 1, y]).0).max(here.distance(at([x, y + 1]).0));
+                assert!(
+                    expected > 0.0 && (footprint / expected - 1.0).abs() < 1e-3,
+                    "{footprint}, {expected}"
+                );
+            }
+        }
     }
 }

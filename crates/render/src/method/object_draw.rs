@@ -68,7 +68,7 @@ impl ObjectDraw {
         let [first, ..] = pcg3d([instance, geometry << 1 | back, site.seed]);
         let bits = more.fold(first, |bits, number| pcg2d([bits, number])[0]);
         // The high half of the product is uniform in 0..count (Lemire 2019).
-        (u64::from(bits) * u64::from(count) >> 32) as u32
+        ((u64::from(bits) * u64::from(count)) >> 32) as u32
     }
 }
 
