@@ -41,8 +41,8 @@ impl Environment {
         Self { zenith: Vec3::ZERO, horizon: Vec3::ZERO, ground: Vec3::ZERO, lobes: Vec::new() }
     }
 
-    /// What a file without lights is shown in: a dim grey room with a key, a fill and a rim light. Dim, so that white things stand out
-    /// and metals have something dark to reflect.
+    /// What a file without lights is shown in: a dim grey room with a key, a fill, a rim light and a large soft one
+    /// in front. Dim, so that white things stand out and metals have something dark to reflect.
     #[must_use]
     pub fn neutral_studio() -> Self {
         let lobe = |x: f32, y: f32, z: f32, strength: f32, sharpness: f32| Lobe {
@@ -58,6 +58,7 @@ impl Environment {
                 lobe(0.6, 0.9, 0.7, 6.5, 16.0),
                 lobe(-0.9, 0.35, 0.5, 1.8, 9.0),
                 lobe(0.1, 1.5, -1.0, 3.0, 14.0),
+                lobe(0.15, 0.3, 1.0, 0.8, 4.0),
             ],
         }
     }
