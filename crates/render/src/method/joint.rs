@@ -14,7 +14,7 @@ pub const INFO: MethodInfo = MethodInfo {
     id: "joint",
     title: "one dithered threshold a pixel against the coverage accumulated front to back; one shaded fragment a pixel",
     paper: "own; dithering after Brüll, Kern, Grosch (STD), section 3.3",
-    bias: "none; with cycle=still the blue noise of a pixel stays for ever, up to 1/18 of a layer's share",
+    bias: "none; with cycle=still a layer's share of a still pixel stays off by up to a ninth, in the mean of all pixels it is right",
     parameters: &[ParameterInfo {
         key: "cycle",
         default: "golden",
