@@ -54,8 +54,7 @@ pub(crate) fn run() -> anyhow::Result<()> {
     ];
     for (title, arguments) in experiments {
         let table = sheer(arguments)?;
-        section += &format!("\n{title}\n\n    $ sheer {}\n", arguments.join(" "));
-        section.extend(table.lines().map(|line| format!("    {line}\n")));
+        section += &format!("\n{title}\n\n```text\n$ sheer {}\n{}```\n", arguments.join(" "), table);
     }
     section += &format!("\n{}\n", scaling(cores)?);
     insert(&section)

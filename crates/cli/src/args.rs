@@ -114,7 +114,7 @@ pub(crate) struct VerifyArguments {
 }
 
 /// The methods of the STD paper, the exact one first.
-const STD_METHODS: [&str; 3] = ["baseline", "roulette", "std"];
+const STD_METHODS: [&str; 6] = ["baseline", "roulette", "std", "dtaa", "dtaa-unique", "stbn"];
 
 /// What is shown.
 #[derive(Args, Debug)]

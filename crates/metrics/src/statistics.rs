@@ -85,6 +85,24 @@ pub fn sidak(level: f64, tests: u64) -> f64 {
     -((-level).ln_1p() / tests.max(1) as f64).exp_m1()
 }
 
+/// The probability that the least of `tests` independent probabilities is at most `least` although nothing is wrong: the other way round.
+#[must_use]
+pub fn sidak_family(least: f64, tests: u64) -> f64 {
+    -((-least).ln_1p() * tests.max(1) as f64).exp_m1()
+}
+
+/// The positive `z` with the given [`two_sided_p`], in (0, 1]; at most 38, beyond which probabilities are 0.
+#[must_use]
+pub fn two_sided_z(probability: f64) -> f64 {
+    let (mut low, mut high) = (0.0, 38.0);
+    // Each step halves the interval: 60 are more than a double can tell apart.
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if two_sided_p(middle) > probability { low = middle } else { high = middle }
+    }
+    low
+}
+
 /// The `share`-quantile of numbers, 0 the least, 1 the greatest, 0.5 the median, linear in between. NaN without numbers.
 #[must_use]
 pub fn quantile(values: &[f64], share: f64) -> f64 {
@@ -150,6 +168,15 @@ mod tests {
     use sheer_core::hash::Pcg32;
 
     use super::*;
+
+    #[test]
+    fn probabilities_and_normal_numbers_turn_into_each_other() {
+        for z in [0.1, 1.96, 4.0, 8.0] {
+            assert!((two_sided_z(two_sided_p(z)) - z).abs() < 1e-6, "{z}");
+        }
+        assert!(two_sided_z(1.0) < 1e-6);
+        assert!((sidak_family(sidak(0.05, 1000), 1000) - 0.05).abs() < 1e-12);
+    }
 
     #[test]
     fn tails_agree_with_tables() {

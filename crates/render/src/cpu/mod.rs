@@ -92,6 +92,18 @@ pub fn render(stage: &Stage, method: &Method, settings: &FrameSettings) -> Resul
     method.visit(Draw { stage, settings, hybrid: method.hybrid() })
 }
 
+/// Renders one frame with a compositing method of the caller's own.
+///
+/// # Errors
+/// As [`render`].
+pub fn render_compositing(
+    stage: &Stage,
+    method: &impl Compositing,
+    settings: &FrameSettings,
+) -> Result<Rendered, RenderError> {
+    Draw { stage, settings, hybrid: Hybrid::NONE }.compositing(method)
+}
+
 /// Rows a task: few enough that 2 to 64 threads share a frame evenly, enough that neighbouring rays share the cache.
 const BAND_ROWS: u32 = 8;
 

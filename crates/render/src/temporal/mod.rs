@@ -60,7 +60,8 @@ impl FromStr for Antialiasing {
 const JITTER_PERIOD: u32 = 16;
 
 /// Offset of a frame's sample from the pixel centre, in (-0.5, 0.5) pixels: Halton's sequence of bases 2 and 3.
-pub(crate) fn jitter(antialiasing: Antialiasing, frame: u32) -> Vec2 {
+#[must_use]
+pub fn jitter(antialiasing: Antialiasing, frame: u32) -> Vec2 {
     let index = match antialiasing {
         Antialiasing::None => return Vec2::ZERO,
         Antialiasing::Accumulate => frame.wrapping_add(1),

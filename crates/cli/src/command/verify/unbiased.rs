@@ -1,13 +1,24 @@
 //! Methods without bias: their mean over many frames is the exact picture.
 //!
-//! Both are rendered with the same sample positions, so that only the dithering differs. The picture is cut into blocks; each gives a
-//! standard normal number, and the sum of their squares a chi-square one. Blocks, not pixels: what is rarely drawn in a pixel is far from
-//! normal in it.
+//! Both are rendered with the same sample positions, so that only the dithering differs. Three questions are asked of a picture:
+//!
+//! * its mean brightness, a standard normal number;
+//! * its blocks: each gives a standard normal number, and the sum of their squares a chi-square one;
+//! * its pixels, each by itself, the least likely one counting. What is rarely drawn in a pixel is far from normal in it, so the probability of its
+//!   deviation is bounded by Bernstein's inequality, from the variance and the greatest brightness that its fragments exactly have.
 
-use sheer_core::colour::luminance;
+use std::ops::ControlFlow;
+
+use glam::Vec3;
+use sheer_core::colour::{Premul, luminance};
 use sheer_image::{Image, Planes};
-use sheer_metrics::statistics::{Moments, z_score};
-use sheer_render::{Antialiasing, Settings, Stage};
+use sheer_metrics::statistics::{Moments, sidak_family, two_sided_z, z_score};
+use sheer_render::{
+    Antialiasing, Background, Clock, Settings, Stage,
+    contract::{Compositing, Gathering},
+    cpu::{FrameSettings, render_compositing},
+    temporal::jitter,
+};
 
 use super::picture::{play, stage, stage_of_files};
 use crate::report::json::{Check, Value};
@@ -62,17 +73,97 @@ pub(super) fn checks(threads: Option<usize>) -> anyhow::Result<Vec<Check>> {
     let mut checks = Vec::new();
     for (name, stage) in built_in.chain(files) {
         let mut stage = stage?;
-        let exact = accumulate(&mut stage, "baseline", 0)?;
+        let exact = draws(&mut stage)?;
         checks.extend(Difference::measure(&mut stage, "roulette", &exact)?.checks(name));
     }
     Ok(checks)
 }
 
+fn settings(seed: u32) -> Settings {
+    // Without a background, whose brightness no fragment tells.
+    Settings { size: SIZE, seed, background: Background::None, ..Settings::default() }
+}
+
 fn accumulate(stage: &mut Stage, method: &str, seed: u32) -> anyhow::Result<Image<f64>> {
-    let settings = Settings { size: SIZE, seed, ..Settings::default() };
     let brightness =
         |planes: &Planes| planes.colour.map(|&[r, g, b, _]| f64::from(luminance([r, g, b].into())));
-    Ok(brightness(&play(stage, method, Antialiasing::Accumulate, settings, FRAMES)?))
+    Ok(brightness(&play(stage, method, Antialiasing::Accumulate, settings(seed), FRAMES)?))
+}
+
+/// What a pixel's brightness exactly is, over all frames: that of a fragment drawn with the probability that it is seen.
+#[derive(Clone, Copy, Debug, Default)]
+struct Drawn {
+    /// Mean.
+    mean: f64,
+    /// Variance of the mean of one draw a frame.
+    variance: f64,
+    /// No draw is further from its mean.
+    reach: f64,
+}
+
+/// Composites brightness, its square and its maximum in place of red, green and blue.
+struct MomentsOfDraws;
+
+/// Visibility, and the three sums.
+type SeenSoFar = (f32, Vec3);
+
+impl Compositing for MomentsOfDraws {
+    type Pixel = SeenSoFar;
+
+    fn gathering(&self) -> Gathering {
+        Gathering::Sorted
+    }
+
+    fn begin(&self) -> SeenSoFar {
+        (1.0, Vec3::ZERO)
+    }
+
+    fn add(
+        &self,
+        (visibility, sums): &mut SeenSoFar,
+        alpha: f32,
+        shade: impl FnOnce() -> Vec3,
+    ) -> ControlFlow<()> {
+        let brightness = luminance(shade());
+        let seen = *visibility * alpha;
+        *sums = Vec3::new(
+            sums.x + seen * brightness,
+            sums.y + seen * brightness * brightness,
+            sums.z.max(brightness),
+        );
+        *visibility *= 1.0 - alpha;
+        if *visibility > 0.0 { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+    }
+
+    fn resolve(&self, (_, sums): SeenSoFar) -> Premul {
+        Premul { rgb: sums, alpha: 1.0 }
+    }
+}
+
+/// What each pixel of the mean of all frames has to be.
+fn draws(stage: &mut Stage) -> anyhow::Result<Image<Drawn>> {
+    let settings = settings(0);
+    let clock = Clock::new(&settings, Antialiasing::Accumulate);
+    let mut drawn = Image::filled(SIZE[0], SIZE[1], Drawn::default())?;
+    for frame in 0..FRAMES {
+        stage.advance(clock.at(frame));
+        let Settings { size, seed, background, .. } = settings;
+        let jitter = jitter(Antialiasing::Accumulate, frame);
+        let frame_settings = FrameSettings { size, frame, seed, jitter, background };
+        let sums = render_compositing(stage, &MomentsOfDraws, &frame_settings)?.planes.colour;
+        let frames = f64::from(FRAMES);
+        for (pixel, sums) in drawn.as_mut_slice().iter_mut().zip(sums.as_slice()) {
+            let [mean, square, greatest, _] = sums.map(f64::from);
+            pixel.mean += mean / frames;
+            let variance = square - mean * mean;
+            // What is left of a constant after rounding to 32 bits is no chance.
+            if variance > ROUNDING * square {
+                pixel.variance += variance / (frames * frames);
+            }
+            pixel.reach = pixel.reach.max(greatest / frames);
+        }
+    }
+    Ok(drawn)
 }
 
 /// How far a method's mean is from the exact picture, in brightness.
@@ -84,10 +175,26 @@ struct Difference {
     z: f64,
     /// One a block that has anything random in it.
     block_z: Vec<f64>,
+    worst: WorstPixel,
+}
+
+/// The pixel whose deviation is the least likely.
+#[derive(Clone, Copy, Debug)]
+struct WorstPixel {
+    exact: f64,
+    measured: f64,
+    /// Probability of such a deviation in that pixel, at most.
+    probability: f64,
+}
+
+/// Upper bound of the probability that the mean of `count` draws deviates by so much (Bernstein 1924).
+fn bernstein(deviation: f64, drawn: Drawn, count: f64) -> f64 {
+    let exponent = 0.5 * count * deviation * deviation / (drawn.variance + drawn.reach * deviation / 3.0);
+    if deviation > 0.0 { (2.0 * (-exponent).exp()).min(1.0) } else { 1.0 }
 }
 
 impl Difference {
-    fn measure(stage: &mut Stage, method: &str, exact: &Image<f64>) -> anyhow::Result<Self> {
+    fn measure(stage: &mut Stage, method: &str, exact: &Image<Drawn>) -> anyhow::Result<Self> {
         let mut pixels = exact.map(|_| Moments::default());
         for seed in 0..SEEDS {
             let picture = accumulate(stage, method, seed)?;
@@ -98,8 +205,9 @@ impl Difference {
         Ok(Self::from_moments(&pixels, exact))
     }
 
-    fn from_moments(pixels: &Image<Moments>, exact: &Image<f64>) -> Self {
+    fn from_moments(pixels: &Image<Moments>, exact: &Image<Drawn>) -> Self {
         let mut whole = Sum::default();
+        let mut worst = WorstPixel { exact: 0.0, measured: 0.0, probability: 1.0 };
         let mut block_z = Vec::new();
         for top in (0..SIZE[1]).step_by(BLOCK_PX[1] as usize) {
             for left in (0..SIZE[0]).step_by(BLOCK_PX[0] as usize) {
@@ -108,6 +216,10 @@ impl Difference {
                     for x in left..left + BLOCK_PX[0] {
                         block.add(pixels[(x, y)], exact[(x, y)]);
                         whole.add(pixels[(x, y)], exact[(x, y)]);
+                        let pixel = WorstPixel::new(pixels[(x, y)], exact[(x, y)]);
+                        if pixel.probability < worst.probability {
+                            worst = pixel;
+                        }
                     }
                 }
                 // Where nothing is random there is nothing to test but equality, and the whole picture does.
@@ -122,10 +234,11 @@ impl Difference {
             measured: whole.measured / pixel_count,
             z: whole.z(),
             block_z,
+            worst,
         }
     }
 
-    fn checks(&self, scene: &str) -> [Check; 2] {
+    fn checks(&self, scene: &str) -> [Check; 3] {
         let samples = Some(u64::from(SIZE[0] * SIZE[1] * FRAMES * SEEDS));
         let source = "STD section 3.2".to_owned();
         let degrees = self.block_z.len() as f64;
@@ -150,7 +263,25 @@ impl Difference {
             z: Some(wilson_hilferty(chi_square, degrees)),
             pass: false,
         };
-        [mean, blocks]
+        let pixels = Check {
+            name: format!("roulette: least likely pixel of {scene}"),
+            source: "STD section 3.2".to_owned(),
+            closed_form: Some(Value::Number(self.worst.exact)),
+            paper: None,
+            measured: Some(Value::Number(self.worst.measured)),
+            samples: Some(u64::from(FRAMES * SEEDS)),
+            z: Some(two_sided_z(sidak_family(self.worst.probability, u64::from(SIZE[0] * SIZE[1])))),
+            pass: false,
+        };
+        [mean, blocks, pixels]
+    }
+}
+
+impl WorstPixel {
+    fn new(pixel: Moments, exact: Drawn) -> Self {
+        let deviation = (pixel.mean() - exact.mean).abs() - ROUNDING * exact.mean;
+        let probability = bernstein(deviation, exact, f64::from(SEEDS));
+        Self { exact: exact.mean, measured: pixel.mean(), probability }
     }
 }
 
@@ -163,10 +294,10 @@ struct Sum {
 }
 
 impl Sum {
-    fn add(&mut self, pixel: Moments, exact: f64) {
-        self.exact += exact;
+    fn add(&mut self, pixel: Moments, exact: Drawn) {
+        self.exact += exact.mean;
         self.measured += pixel.mean();
-        self.variance += pixel.variance_of_mean();
+        self.variance += exact.variance / f64::from(SEEDS);
     }
 
     fn z(&self) -> f64 {
@@ -187,7 +318,7 @@ mod tests {
     use super::*;
 
     fn judged(method: &str, scene: &str, exact_scene: &str) -> Vec<bool> {
-        let exact = accumulate(&mut stage(exact_scene, None).unwrap(), "baseline", 0).unwrap();
+        let exact = draws(&mut stage(exact_scene, None).unwrap()).unwrap();
         let difference = Difference::measure(&mut stage(scene, None).unwrap(), method, &exact).unwrap();
         let mut checks = difference.checks("a scene");
         judge(&mut checks);
@@ -198,12 +329,39 @@ mod tests {
 
     #[test]
     fn an_unbiased_method_passes() {
-        assert_eq!(judged("roulette", SCENE, SCENE), [true, true]);
+        assert_eq!(judged("roulette", SCENE, SCENE), [true, true, true]);
     }
 
     #[test]
     fn a_method_that_takes_alpha_for_two_percent_more_is_found() {
-        assert_eq!(judged("roulette", "layers:count=8,alpha=0.204,background=0.3", SCENE), [false, false]);
+        // No single pixel can tell so little; all together do.
+        assert_eq!(
+            judged("roulette", "layers:count=8,alpha=0.204,background=0.3", SCENE)[..2],
+            [false, false]
+        );
+    }
+
+    #[test]
+    fn pixels_that_are_wrong_by_themselves_are_found() {
+        assert!(!judged("roulette", "layers:count=8,alpha=0.05,background=0.3", SCENE)[2]);
+        assert!(!judged("std", SCENE, SCENE)[2], "the known bias of plain STD");
+    }
+
+    #[test]
+    fn the_bound_holds_for_a_coin() {
+        // 32 throws of a coin: at least 24 or at most 8 heads have a probability of 0.007.
+        let coin = Drawn { mean: 0.5, variance: 0.25, reach: 0.5 };
+        let bound = bernstein(0.25, coin, 32.0);
+        assert!(bound > 0.007 && bound < 0.1, "{bound}");
+    }
+
+    #[test]
+    fn the_exact_moments_have_the_baselines_mean() {
+        let mut stage = stage(SCENE, None).unwrap();
+        let baseline = accumulate(&mut stage, "baseline", 0).unwrap();
+        for (exact, drawn) in baseline.as_slice().iter().zip(draws(&mut stage).unwrap().as_slice()) {
+            assert!((exact - drawn.mean).abs() < 1e-5, "{exact} {drawn:?}");
+        }
     }
 
     #[test]
