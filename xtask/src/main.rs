@@ -26,7 +26,7 @@ enum Task {
     Test,
     /// Check the rules that the compiler cannot: paths in ARCHITECTURE.md exist, values are written once.
     Rules,
-    /// Measure what the README claims and write it there: half an hour on a quiet machine is best.
+    /// Measure what the README claims and write it there: ten minutes, on a machine that does nothing else.
     Results,
     /// Render every .gltf and .glb file below a folder and write a contact sheet.
     Gallery(gallery::Gallery),

@@ -3,6 +3,7 @@
 use std::{fs, path::Path};
 
 use serde_json::{Value, json};
+use sheer_core::hash::Pcg32;
 use sheer_scene::load::read_gltf;
 
 use crate::{assets, builder::glb};
@@ -25,19 +26,9 @@ const SEEDS: &[&str] = &[
 /// Damaged versions of each, of each of the three kinds.
 const ROUNDS: u32 = 100;
 
-/// PCG-XSH-RR (O'Neill 2014), seeded.
-struct Chance(u64);
-
-impl Chance {
-    fn next(&mut self) -> u32 {
-        let old = self.0;
-        self.0 = old.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        ((((old >> 18) ^ old) >> 27) as u32).rotate_right((old >> 59) as u32)
-    }
-
-    fn below(&mut self, bound: usize) -> usize {
-        ((u64::from(self.next()) * bound as u64) >> 32) as usize
-    }
+/// A place in a list of so many.
+fn place(chance: &mut Pcg32, count: usize) -> usize {
+    chance.below(count as u32) as usize
 }
 
 /// The JSON and first buffer of a file.
@@ -78,10 +69,10 @@ fn pointers(value: &Value, at: &str, all: &mut Vec<String>) {
 }
 
 /// Replaces a value by an extreme one, or by one from elsewhere in the file.
-fn swap_value(json: &mut Value, chance: &mut Chance) {
+fn swap_value(json: &mut Value, chance: &mut Pcg32) {
     let mut all = Vec::new();
     pointers(json, "", &mut all);
-    let target = all[chance.below(all.len())].clone();
+    let target = all[place(chance, all.len())].clone();
     let extremes = [
         json!(0),
         json!(1),
@@ -104,10 +95,10 @@ fn swap_value(json: &mut Value, chance: &mut Chance) {
         json!({}),
         json!(true),
     ];
-    let value = if chance.below(4) == 0 {
-        json.pointer(&all[chance.below(all.len())]).cloned().unwrap_or_default()
+    let value = if place(chance, 4) == 0 {
+        json.pointer(&all[place(chance, all.len())]).cloned().unwrap_or_default()
     } else {
-        extremes[chance.below(extremes.len())].clone()
+        extremes[place(chance, extremes.len())].clone()
     };
     if let Some(place) = json.pointer_mut(&target) {
         *place = value;
@@ -116,7 +107,7 @@ fn swap_value(json: &mut Value, chance: &mut Chance) {
 
 #[test]
 fn no_damage_makes_the_loader_panic() {
-    let mut chance = Chance(2026);
+    let mut chance = Pcg32::new(2026, 0);
     let (mut loaded, mut refused) = (0, 0);
     for name in SEEDS {
         let path = assets::path(name);
@@ -131,26 +122,26 @@ fn no_damage_makes_the_loader_panic() {
         };
         for _ in 0..ROUNDS {
             let mut flipped = whole.clone();
-            for _ in 0..=chance.below(4) {
-                let at = chance.below(flipped.len());
-                flipped[at] ^= 1 << chance.below(8);
+            for _ in 0..=place(&mut chance, 4) {
+                let at = place(&mut chance, flipped.len());
+                flipped[at] ^= 1 << place(&mut chance, 8);
             }
             try_to_load(&flipped);
 
             // Damage to the binary part alone is found late, deep in the decoders.
             let mut spoiled = binary.clone();
-            for _ in 0..=chance.below(4) {
+            for _ in 0..=place(&mut chance, 4) {
                 let end = spoiled.len();
                 if end > 0 {
-                    spoiled[chance.below(end)] = chance.next() as u8;
+                    spoiled[place(&mut chance, end)] = chance.next_u32() as u8;
                 }
             }
             try_to_load(&container(&json, &spoiled));
 
-            try_to_load(&whole[..chance.below(whole.len())]);
+            try_to_load(&whole[..place(&mut chance, whole.len())]);
 
             let mut swapped = json.clone();
-            for _ in 0..=chance.below(3) {
+            for _ in 0..=place(&mut chance, 3) {
                 swap_value(&mut swapped, &mut chance);
             }
             // The container stays whole, so that the JSON is looked at.
