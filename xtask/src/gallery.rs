@@ -45,7 +45,7 @@ impl Gallery {
         let name = self.out.file_name().context("--out has no name")?.to_string_lossy().into_owned();
         let mut sheet = format!(
             "# Scene files\n\nMade by `cargo xtask gallery DIR`: `baseline`, {} samples a pixel, the file's first camera or a made-up \
-             three-quarter view. What moves is shown a second time {} s later.\n\n| file | at the start | later | remarks |\n|---|---|---|---|\n",
+             three-quarter view. What moves is shown a second time {} s later.\n\n| file | at the start | later | remarks | credit |\n|---|---|---|---|---|\n",
             self.frames, self.later
         );
         let mut failed = Vec::new();
@@ -63,8 +63,10 @@ impl Gallery {
                     if !moves {
                         fs::remove_file(&second)?;
                     }
+                    let credit = credit(file);
                     let later = if moves { format!("![]({name}/{stem}-later.jpg)") } else { String::new() };
-                    sheet += &format!("| {title} | ![]({name}/{stem}.jpg) | {later} | {remarks} |\n");
+                    sheet +=
+                        &format!("| {title} | ![]({name}/{stem}.jpg) | {later} | {remarks} | {credit} |\n");
                     eprintln!("{title}: {:.1} s", start.elapsed().as_secs_f32());
                 }
                 Err(error) => {
@@ -95,6 +97,14 @@ impl Gallery {
             talk.lines().filter_map(|line| line.strip_prefix(&lead)).map(|line| line.replace('|', "\\|"));
         Ok(remarks.collect::<Vec<_>>().join("<br>"))
     }
+}
+
+/// Author and licence as a LICENSE.txt beside the file states them, in lines that begin with these words.
+fn credit(file: &Path) -> String {
+    let text = fs::read_to_string(file.with_file_name("LICENSE.txt")).unwrap_or_default();
+    let line = |word: &str| text.lines().find_map(|line| line.strip_prefix(word)).map(str::trim);
+    let parts = [line("Attribution:"), line("Licence (SPDX):")];
+    parts.into_iter().flatten().collect::<Vec<_>>().join("; ").replace('|', "\\|")
 }
 
 /// Turns a PNG into a JPEG of another name.

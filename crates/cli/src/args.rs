@@ -174,7 +174,7 @@ pub(crate) struct Size(pub(crate) [u32; 2]);
 pub(crate) const DEFAULT_SIZE: Size = Size([960, 540]);
 /// Of comparisons, which render everything exactly as well: with the default scene, methods and frames, they end within a minute and a half
 /// on two cores of 2023.
-pub(crate) const COMPARE_SIZE: Size = Size([400, 225]);
+pub(crate) const COMPARE_SIZE: Size = Size([480, 270]);
 /// Pixels a side; 16k is more than any display has.
 const LONGEST_SIDE_PX: u32 = 16_384;
 

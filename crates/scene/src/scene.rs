@@ -25,7 +25,7 @@ pub enum CameraChoice {
     /// The scene's first, or a three-quarter view where it has none.
     #[default]
     Default,
-    /// A circle around the middle of the scene, starting from the default view.
+    /// The scene's camera of that name, or a circle around the middle of the scene that starts from the default view.
     Orbit,
     /// By name; built-in scenes have `static` and `path`, and every scene has a `static` one: its default camera at time zero.
     Named(String),
@@ -102,6 +102,9 @@ impl Scene {
         match choice {
             CameraChoice::Default => Ok(self.default_camera()),
             CameraChoice::Orbit => {
+                if let Some(camera) = self.parts.cameras.iter().find(|camera| camera.name == "orbit") {
+                    return Ok(camera.clone());
+                }
                 let start = self.default_camera();
                 let pose = crate::frame::camera_pose(self, &start, 0.0);
                 let (centre, radius) = self.bounding_sphere();
@@ -123,8 +126,14 @@ impl Scene {
                         CameraMotion::Path { keys: vec![CameraKey { time_secs: 0.0, eye, target }] };
                     return Ok(camera);
                 }
-                let names = self.parts.cameras.iter().map(|camera| camera.name.as_str());
-                let available = names.chain(["static", "orbit"]).collect::<Vec<_>>().join(", ");
+                let mut names: Vec<&str> =
+                    self.parts.cameras.iter().map(|camera| camera.name.as_str()).collect();
+                for common in ["static", "orbit"] {
+                    if !names.contains(&common) {
+                        names.push(common);
+                    }
+                }
+                let available = names.join(", ");
                 Err(SceneError::NoCamera { scene: self.parts.name.clone(), wanted: name.clone(), available })
             }
         }
