@@ -4,6 +4,9 @@ use std::f32::consts::TAU;
 
 use glam::{Affine3A, Mat3, Vec2, Vec3};
 
+/// Time of one turn of an orbit: slow enough to look, short enough for a clip.
+const ORBIT_PERIOD_SECS: f32 = 12.0;
+
 /// A camera of the scene.
 #[derive(Clone, Debug)]
 pub struct Camera {
@@ -89,6 +92,13 @@ impl Camera {
             lens: Lens::Perspective { yfov_rad },
             motion: CameraMotion::Path { keys: vec![CameraKey { time_secs: 0.0, eye, target }] },
         }
+    }
+
+    /// A camera that circles a point it looks at, once in twelve seconds, starting from `eye`.
+    #[must_use]
+    pub fn orbit(lens: Lens, target: Vec3, eye: Vec3) -> Self {
+        let motion = CameraMotion::Orbit { target, eye, period_secs: ORBIT_PERIOD_SECS };
+        Self { name: "orbit".to_owned(), lens, motion }
     }
 }
 

@@ -39,8 +39,6 @@ const FRAME_FILL: f32 = 0.88;
 const FRAME_ASPECT: f32 = 16.0 / 9.0;
 /// A scene whose depth or height is less than this share of its other sides is flat.
 const FLAT: f32 = 0.25;
-/// Time of one turn of `--camera orbit`.
-const ORBIT_PERIOD_SECS: f32 = 12.0;
 
 impl Scene {
     /// Validates the parts.
@@ -111,8 +109,7 @@ impl Scene {
                 // Orbit what the default view looks at: the point on its axis nearest to the middle of the scene.
                 let along = (centre - pose.eye()).dot(pose.forward()).max(0.1 * radius);
                 let target = pose.eye() + pose.forward() * along;
-                let motion = CameraMotion::Orbit { target, eye: pose.eye(), period_secs: ORBIT_PERIOD_SECS };
-                Ok(Camera { name: "orbit".to_owned(), lens: pose.lens, motion })
+                Ok(Camera::orbit(pose.lens, target, pose.eye()))
             }
             CameraChoice::Named(name) => {
                 if let Some(camera) = self.parts.cameras.iter().find(|camera| camera.name == *name) {

@@ -63,16 +63,9 @@ pub(super) fn build(values: &Values) -> Result<Scene, SceneError> {
         motion: CameraMotion::Path { keys: vec![key(0.0, -4.0), key(4.0, 0.6), key(8.0, 5.2)] },
     });
     let middle = place.transform_point3(0.5 * (low + high));
-    stage.camera(Camera {
-        name: "orbit".to_owned(),
-        lens: Lens::Perspective { yfov_rad: YFOV_RAD },
-        // Around the pane; the circle that fits the whole town would run through its walls.
-        motion: CameraMotion::Orbit {
-            target: middle,
-            eye: middle + Vec3::new(1.5, 0.6, 6.0),
-            period_secs: 12.0,
-        },
-    });
+    // Around the pane; the circle that fits the whole town would run through its walls.
+    let eye = middle + Vec3::new(1.5, 0.6, 6.0);
+    stage.camera(Camera::orbit(Lens::Perspective { yfov_rad: YFOV_RAD }, middle, eye));
     stage.finish()
 }
 

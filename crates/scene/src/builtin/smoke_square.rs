@@ -76,16 +76,9 @@ pub(super) fn build(values: &Values) -> Result<Scene, SceneError> {
         },
     });
     stage.camera(Camera::fixed("static", 0.76, Vec3::new(3.0, 1.72, 15.0), Vec3::new(-1.4, 3.7, -5.0)));
-    stage.camera(Camera {
-        name: "orbit".to_owned(),
-        lens: Lens::Perspective { yfov_rad: YFOV_RAD },
-        // Around the cloud; the circle that fits the whole town would run through its walls.
-        motion: CameraMotion::Orbit {
-            target: CLOUD,
-            eye: CLOUD + Vec3::new(5.4, 0.5, 4.2),
-            period_secs: 12.0,
-        },
-    });
+    // Around the cloud; the circle that fits the whole town would run through its walls.
+    let eye = CLOUD + Vec3::new(5.4, 0.5, 4.2);
+    stage.camera(Camera::orbit(Lens::Perspective { yfov_rad: YFOV_RAD }, CLOUD, eye));
     stage.finish()
 }
 
