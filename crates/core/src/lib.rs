@@ -2,6 +2,7 @@
 
 pub mod blue_noise;
 pub mod colour;
+pub mod coverage;
 pub mod hash;
 pub mod parameter;
 pub mod spatio_temporal;
