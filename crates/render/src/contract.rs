@@ -171,6 +171,15 @@ impl Hybrid {
     }
 }
 
+/// The key for the correction of coverage (STD section 3.2.1), which every [`Threshold`] and [`Selection`] takes. The backend applies it to
+/// the opacity that is held against a threshold, not to fragments that are composited exactly, nor to shadows.
+pub(crate) const CORRECTION_PARAMETER: ParameterInfo = ParameterInfo {
+    key: "correction",
+    default: "none",
+    range: ParameterRange::Choice(&["none", "dlss"]),
+    what: "opacity to coverage before the threshold; dlss: STD Eq. 5",
+};
+
 /// How the backend finds the fragments of a pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Gathering {

@@ -184,6 +184,24 @@ fn a_hybrid_of_1_is_the_pure_method_and_one_of_0_the_baseline_to_the_bit() {
 }
 
 #[test]
+fn a_correction_of_none_changes_no_bit_and_one_of_eq_5_does() {
+    let mut stage = Stage::new(
+        sheer_scene::open("layers:count=1,alpha=0.5,colours=white,background=0").unwrap().scene,
+        &CameraChoice::Default,
+        Some(2),
+    )
+    .unwrap();
+    for info in one_fragment_methods() {
+        let mut picture =
+            |method: &str| play_on(&mut stage, method, Antialiasing::Accumulate, 18, small(72, 72)).0;
+        let plain = picture(info.id);
+        assert_eq!(picture(&format!("{}:correction=none", info.id)), plain, "{}", info.id);
+        let corrected = picture(&format!("{}:correction=dlss", info.id));
+        assert_ne!(corrected, plain, "{}: the check is blind", info.id);
+    }
+}
+
+#[test]
 fn a_hybrid_comes_nearer_to_the_baseline_with_each_fragment_it_shades() {
     let settings = Settings { start_secs: 6.0, ..small(40, 22) };
     let scene = sheer_scene::open("smoke-square:particles=400").unwrap().scene;

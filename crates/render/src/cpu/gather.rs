@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use glam::{Vec2, Vec3};
 use sheer_accel::{Hit, Ray};
-use sheer_core::colour::Premul;
+use sheer_core::{colour::Premul, coverage::Correction};
 use sheer_image::Pixel;
 use sheer_scene::CameraRay;
 
@@ -55,7 +55,7 @@ impl Tracer<'_> {
         let share = hybrid.visibility.max(MIN_VISIBILITY);
         let most = hybrid.layers.map_or(usize::MAX, |layers| layers as usize);
         let enough = |count, visibility| visibility <= share || count == most;
-        let ended = self.gather_front(camera_ray, None, enough, counters);
+        let ended = self.gather_front(camera_ray, None, Correction::NONE, enough, counters);
         let mut rgb = Vec3::ZERO;
         let mut visibility = 1.0;
         for layer in &self.layers {
@@ -103,7 +103,7 @@ impl Tracer<'_> {
                 return false;
             }
             tested += 1;
-            let alpha = self.alpha(hit);
+            let alpha = self.correction.coverage(self.alpha(hit));
             if alpha > 0.0 && alpha < 1.0 {
                 nearest_partial = nearest_partial.min(hit.t);
             }
@@ -124,7 +124,7 @@ impl Tracer<'_> {
         counters: &mut Counters,
     ) -> Found {
         let exceeds = |_, visibility: f32| 1.0 - visibility > threshold;
-        let exceeded = self.gather_front(camera_ray, after, exceeds, counters);
+        let exceeded = self.gather_front(camera_ray, after, self.correction, exceeds, counters);
         Found {
             hit: self.layers.last().filter(|_| exceeded).map(|layer| layer.hit),
             transparent: self.layers.iter().any(|layer| layer.alpha < 1.0),
@@ -132,7 +132,8 @@ impl Tracer<'_> {
     }
 
     /// Fills `layers` with the hits behind `after`, front to back, up to the first with which it is `enough`: a predicate of their count
-    /// and of the visibility behind them that stays true as the one grows and the other falls. False if it never is enough.
+    /// and of the visibility behind them that stays true as the one grows and the other falls. False if it never is enough. Their alpha is the
+    /// corrected one.
     ///
     /// One traversal. A hit found late, in front of others, can only lower the visibility behind each of these, rounding included, so the
     /// end known so far is never nearer than the true one: what lies behind it is dropped at once and bounds the ray, and nothing is lost.
@@ -140,6 +141,7 @@ impl Tracer<'_> {
         &mut self,
         camera_ray: &CameraRay,
         after: Option<Hit>,
+        correction: Correction,
         enough: impl Fn(usize, f32) -> bool,
         counters: &mut Counters,
     ) -> bool {
@@ -149,7 +151,7 @@ impl Tracer<'_> {
         let mut tested = 0;
         self.stage.bvh().traverse(&self.ray_from(camera_ray, after), |hit| {
             let is_new = after.is_none_or(|after| is_behind(&hit, &after));
-            let alpha = if is_new { self.alpha(&hit) } else { 0.0 };
+            let alpha = if is_new { correction.coverage(self.alpha(&hit)) } else { 0.0 };
             tested += u64::from(is_new);
             let place = layers.partition_point(|layer| is_behind(&hit, &layer.hit));
             let is_dropped = ended && place == layers.len();

@@ -5,7 +5,7 @@ use std::time::Instant;
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 use sheer_accel::{Hit, Ray};
-use sheer_core::colour::Premul;
+use sheer_core::{colour::Premul, coverage::Correction};
 use sheer_image::{Pixel, Planes};
 use sheer_scene::CameraRay;
 
@@ -89,7 +89,7 @@ pub struct Rendered {
 /// # Errors
 /// [`RenderError::Image`] if the size is zero or too much for the memory.
 pub fn render(stage: &Stage, method: &Method, settings: &FrameSettings) -> Result<Rendered, RenderError> {
-    method.visit(Draw { stage, settings, hybrid: method.hybrid() })
+    method.visit(Draw { stage, settings, hybrid: method.hybrid(), correction: method.correction() })
 }
 
 /// Renders one frame with a compositing method of the caller's own.
@@ -101,7 +101,7 @@ pub fn render_compositing(
     method: &impl Compositing,
     settings: &FrameSettings,
 ) -> Result<Rendered, RenderError> {
-    Draw { stage, settings, hybrid: Hybrid::NONE }.compositing(method)
+    Draw { stage, settings, hybrid: Hybrid::NONE, correction: Correction::NONE }.compositing(method)
 }
 
 /// Rows a task: few enough that 2 to 64 threads share a frame evenly, enough that neighbouring rays share the cache.
@@ -111,6 +111,7 @@ struct Draw<'a> {
     stage: &'a Stage,
     settings: &'a FrameSettings,
     hybrid: Hybrid,
+    correction: Correction,
 }
 
 impl Visitor for Draw<'_> {
@@ -153,7 +154,7 @@ impl Draw<'_> {
         let counters = self.stage.pool().install(|| {
             let bands = planes.par_bands_mut(BAND_ROWS);
             let costs = bands.map(|mut band| {
-                let mut tracer = Tracer::new(self.stage, self.settings);
+                let mut tracer = Tracer::new(self.stage, self.settings, self.correction);
                 let mut counters = Counters::default();
                 // Squares, not rows: their rays stay together.
                 for left in (0..width).step_by(BAND_ROWS as usize) {
@@ -176,6 +177,8 @@ impl Draw<'_> {
 struct Tracer<'a> {
     stage: &'a Stage,
     settings: &'a FrameSettings,
+    /// Of what is held against a threshold.
+    correction: Correction,
     hits: Vec<(Hit, f32)>,
     layers: Vec<Layer>,
 }
@@ -190,8 +193,8 @@ struct Layer {
 }
 
 impl<'a> Tracer<'a> {
-    fn new(stage: &'a Stage, settings: &'a FrameSettings) -> Self {
-        Self { stage, settings, hits: Vec::new(), layers: Vec::new() }
+    fn new(stage: &'a Stage, settings: &'a FrameSettings, correction: Correction) -> Self {
+        Self { stage, settings, correction, hits: Vec::new(), layers: Vec::new() }
     }
 
     fn size(&self) -> Vec2 {

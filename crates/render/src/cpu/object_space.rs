@@ -63,7 +63,7 @@ mod tests {
         for jitter in [Vec2::ZERO, Vec2::new(0.3, -0.2)] {
             let settings =
                 FrameSettings { size: [64, 36], frame: 0, seed: 0, jitter, background: Background::None };
-            let tracer = Tracer::new(&stage, &settings);
+            let tracer = Tracer::new(&stage, &settings, sheer_core::coverage::Correction::NONE);
             let at = |pixel| {
                 let ray = tracer.ray(&tracer.camera_ray(tracer.sample(pixel)));
                 tracer.object_space(pixel, &stage.bvh().closest(&ray, |_| true).unwrap())

@@ -3,9 +3,12 @@
 
 use ::std::{fmt, str::FromStr};
 
-use sheer_core::parameter::{ParameterInfo, Values, split_name};
+use sheer_core::{
+    coverage::Correction,
+    parameter::{ParameterInfo, Values, split_name},
+};
 
-use crate::contract::{Compositing, Hybrid, MethodInfo, Selection, Threshold, Visitor};
+use crate::contract::{CORRECTION_PARAMETER, Compositing, Hybrid, MethodInfo, Selection, Threshold, Visitor};
 
 /// Why there is no such method.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -42,8 +45,10 @@ pub enum Family {
 impl Family {
     /// All keys of a method of this family: its own, then those that families of one shaded fragment have in common.
     fn parameters(self, info: &MethodInfo) -> Vec<ParameterInfo> {
-        let common: &[ParameterInfo] = if self == Self::Compositing { &[] } else { Hybrid::PARAMETERS };
-        [info.parameters, common].concat()
+        if self == Self::Compositing {
+            return info.parameters.to_vec();
+        }
+        [info.parameters, Hybrid::PARAMETERS, &[CORRECTION_PARAMETER]].concat()
     }
 }
 
@@ -76,6 +81,7 @@ macro_rules! methods {
         pub struct Method {
             kind: Kind,
             hybrid: Hybrid,
+            correction: Correction,
             text: String,
         }
 
@@ -114,9 +120,12 @@ macro_rules! methods {
                     let family = $module::$name::new(&defaults).accept(FamilyOf);
                     let values = Values::parse(&family.parameters(&$module::INFO), settings)
                         .map_err(|problem| MethodError::Parameter { method: $module::INFO.id, problem })?;
-                    let hybrid = if family == Family::Compositing { Hybrid::NONE } else { Hybrid::new(&values) };
+                    let (hybrid, correction) = match family {
+                        Family::Compositing => (Hybrid::NONE, Correction::NONE),
+                        Family::Threshold | Family::Selection => (Hybrid::new(&values), correction(&values)),
+                    };
                     let kind = Kind::$name($module::$name::new(&values));
-                    return Ok(Self { kind, hybrid, text: text.to_owned() });
+                    return Ok(Self { kind, hybrid, correction, text: text.to_owned() });
                 })+
                 let known = METHODS.iter().map(|info| info.id).collect::<Vec<_>>().join(", ");
                 Err(MethodError::Unknown { name: name.to_owned(), known })
@@ -153,6 +162,27 @@ impl Method {
     #[must_use]
     pub fn hybrid(&self) -> Hybrid {
         self.hybrid
+    }
+
+    /// From opacity to the coverage that is held against thresholds.
+    #[must_use]
+    pub fn correction(&self) -> Correction {
+        self.correction
+    }
+
+    /// The method with a correction of the caller's own; it prints as `text` from now on. A [`Family::Compositing`] method has no threshold
+    /// and renders as before.
+    #[must_use]
+    pub fn with_correction(self, correction: Correction, text: impl Into<String>) -> Self {
+        Self { correction, text: text.into(), ..self }
+    }
+}
+
+/// The correction that a word stands for.
+fn correction(values: &Values) -> Correction {
+    match values.text(CORRECTION_PARAMETER.key) {
+        "dlss" => Correction::DLSS,
+        _ => Correction::NONE,
     }
 }
 
@@ -191,6 +221,19 @@ mod tests {
             assert_eq!(hybrid.is_ok(), family != Family::Compositing, "{}", info.id);
             if let Ok(method) = hybrid {
                 assert_eq!(method.hybrid(), Hybrid { visibility: 0.5, layers: Some(4) });
+            }
+        }
+    }
+
+    #[test]
+    fn correction_is_a_key_of_the_same_methods() {
+        for info in METHODS {
+            let corrected = format!("{}:correction=dlss", info.id).parse::<Method>();
+            let plain = info.id.parse::<Method>().unwrap();
+            assert_eq!(plain.correction(), Correction::NONE);
+            assert_eq!(corrected.is_ok(), plain.family() != Family::Compositing, "{}", info.id);
+            if let Ok(method) = corrected {
+                assert_eq!(method.correction(), Correction::DLSS);
             }
         }
     }
