@@ -1,10 +1,10 @@
 //! The command line.
 
-use std::{fmt, path::PathBuf, str::FromStr};
+use std::{fmt, fs, path::PathBuf, str::FromStr};
 
 use clap::{Args, Parser, Subcommand, builder::RangedU64ValueParser, value_parser};
 use glam::Vec3;
-use sheer_core::colour::linear_from_srgb;
+use sheer_core::{colour::linear_from_srgb, coverage::Correction, parameter::split_name};
 use sheer_image::unit_from_u8;
 use sheer_render::{Antialiasing, Background, Method};
 use sheer_scene::CameraChoice;
@@ -37,6 +37,8 @@ pub(crate) enum Command {
     Compare(CompareArguments),
     /// Measure what methods cost.
     Bench(BenchArguments),
+    /// Measure what a method shows of ten opacities and fit the correction for it.
+    Calibrate(CalibrateArguments),
     /// Check the papers' numbers and the methods' promises: closed form, printed, measured.
     Verify(VerifyArguments),
 }
@@ -53,7 +55,7 @@ pub(crate) struct RenderArguments {
     #[command(flatten)]
     pub(crate) scene: SceneArguments,
     /// Transparency method, NAME or NAME:KEY=VALUE,…; `sheer methods` lists them.
-    #[arg(short, long, default_value = "std")]
+    #[arg(short, long, default_value = "std", value_parser = method)]
     pub(crate) method: Method,
     /// none: one sample through each pixel centre; accumulate: the mean of the frames of one moment; taa: frames play and add up.
     #[arg(short = 'a', long = "aa", value_name = "AA", default_value = "taa")]
@@ -74,7 +76,7 @@ pub(crate) struct CompareArguments {
     #[command(flatten)]
     pub(crate) scene: SceneArguments,
     /// Transparency method, NAME or NAME:KEY=VALUE,…; give as many as you like. baseline always takes part as the reference.
-    #[arg(short, long = "method", value_name = "METHOD", default_values = STD_METHODS)]
+    #[arg(short, long = "method", value_name = "METHOD", default_values = STD_METHODS, value_parser = method)]
     pub(crate) methods: Vec<Method>,
     /// none, accumulate or taa; give as many as you like.
     #[arg(short = 'a', long = "aa", value_name = "AA", default_value = "taa")]
@@ -93,11 +95,28 @@ pub(crate) struct BenchArguments {
     #[command(flatten)]
     pub(crate) scene: SceneArguments,
     /// Transparency method, NAME or NAME:KEY=VALUE,…; give as many as you like. Ratios are against the first.
-    #[arg(short, long = "method", value_name = "METHOD", default_values = STD_METHODS)]
+    #[arg(short, long = "method", value_name = "METHOD", default_values = STD_METHODS, value_parser = method)]
     pub(crate) methods: Vec<Method>,
     /// File for the figures, - for stdout in place of the table.
     #[arg(long, value_name = "FILE")]
     pub(crate) json: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) frames: FrameArguments,
+    #[command(flatten)]
+    pub(crate) machine: MachineArguments,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct CalibrateArguments {
+    /// Transparency method, NAME or NAME:KEY=VALUE,…; `sheer methods` lists them.
+    #[arg(short, long, default_value = "std", value_parser = method)]
+    pub(crate) method: Method,
+    /// none, accumulate or taa.
+    #[arg(short = 'a', long = "aa", value_name = "AA", default_value = "taa")]
+    pub(crate) antialiasing: Antialiasing,
+    /// JSON file for the coefficients, to be given as METHOD:correction=FILE; - for stdout in place of the table.
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) output: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) frames: FrameArguments,
     #[command(flatten)]
@@ -232,6 +251,30 @@ fn camera(text: &str) -> Result<CameraChoice, String> {
         "orbit" => CameraChoice::Orbit,
         name => CameraChoice::Named(name.to_owned()),
     })
+}
+
+/// A method; a `correction` that is neither of the library's words is a file.
+fn method(text: &str) -> Result<Method, String> {
+    #[derive(serde::Deserialize)]
+    struct CorrectionFile {
+        coefficients: [f32; 4],
+    }
+    let parse = |text: &str| text.parse::<Method>().map_err(|error| error.to_string());
+    let setting =
+        split_name(text).1.split(',').map(str::trim).find(|setting| setting.starts_with("correction="));
+    let file = setting.and_then(|setting| setting.strip_prefix("correction="));
+    let (Some(setting), Some(file)) = (setting, file.filter(|file| !matches!(*file, "none" | "dlss"))) else {
+        return parse(text);
+    };
+    let method = parse(&text.replacen(setting, "correction=none", 1))?;
+    let expected = r#"give none, dlss or a JSON file with {"coefficients":[c0,c1,c2,c3]} as `sheer calibrate` writes it"#;
+    let described = |problem: String| format!("cannot take the correction {file}: {problem}; {expected}");
+    let json = fs::read_to_string(file).map_err(|error| described(error.to_string()))?;
+    let CorrectionFile { coefficients } =
+        serde_json::from_str(&json).map_err(|error| described(error.to_string()))?;
+    let correction = Correction::new(coefficients);
+    let correction = correction.ok_or_else(|| described("a coefficient is not finite".to_owned()))?;
+    Ok(method.with_correction(correction, text))
 }
 
 fn unit(text: &str) -> Result<f32, String> {

@@ -41,6 +41,7 @@ fn run(command: &Command) -> anyhow::Result<()> {
         Command::Render(arguments) => command::render::run(arguments),
         Command::Compare(arguments) => command::compare::run(arguments),
         Command::Bench(arguments) => command::bench::run(arguments),
+        Command::Calibrate(arguments) => command::calibrate::run(arguments),
         Command::Verify(arguments) => command::verify::run(arguments),
     }
 }

@@ -1,6 +1,7 @@
 //! The binary from outside: command line, outputs, exit codes.
 
 mod bench;
+mod calibrate;
 mod compare;
 mod interruption;
 mod render;
