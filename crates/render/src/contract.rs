@@ -177,7 +177,7 @@ pub(crate) const CORRECTION_PARAMETER: ParameterInfo = ParameterInfo {
     key: "correction",
     default: "none",
     range: ParameterRange::Choice(&["none", "dlss"]),
-    what: "opacity to coverage before the threshold; dlss: STD Eq. 5",
+    what: "opacity to coverage before the threshold; dlss: STD Eq. 5; on the command line also a file of `sheer calibrate`",
 };
 
 /// How the backend finds the fragments of a pixel.
