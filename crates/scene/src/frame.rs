@@ -259,16 +259,21 @@ impl Frame {
         (alpha * entry.opacity).clamp(0.0, 1.0)
     }
 
+    /// Where a point of a triangle is, and where it was in the previous frame, world.
+    #[must_use]
+    pub fn positions(&self, triangle: u32, u: f32, v: f32) -> [Vec3; 2] {
+        let weights = [1.0 - u - v, u, v];
+        let position = mix(weights, self.triangles[triangle as usize]);
+        let previous = (triangle as usize).checked_sub(self.static_count);
+        [position, previous.map_or(position, |moving| mix(weights, self.previous_moving[moving]))]
+    }
+
     /// The surface at a point of a triangle, seen by a ray that finds its vertices counter-clockwise (or not).
     #[must_use]
     pub fn surface(&self, triangle: u32, u: f32, v: f32, counter_clockwise: bool) -> Surface {
         let weights = [1.0 - u - v, u, v];
         let corners = self.triangles[triangle as usize];
-        let position = mix(weights, corners);
-        let previous_position = match (triangle as usize).checked_sub(self.static_count) {
-            Some(moving) => mix(weights, self.previous_moving[moving]),
-            None => position,
-        };
+        let [position, previous_position] = self.positions(triangle, u, v);
         let object = self.object(triangle);
         let material = &self.scene.parts().materials[object.material as usize];
         let side = self.side(triangle, counter_clockwise);

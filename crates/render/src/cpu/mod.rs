@@ -239,14 +239,14 @@ impl<'a> Tracer<'a> {
             let motion = before.map_or(Vec2::ZERO, |before| before - sample).to_array();
             return Pixel { colour: colour.to_array(), motion, transparent, ..Pixel::EMPTY };
         };
-        let surface = frame.surface(hit.triangle, hit.u, hit.v, hit.front);
+        let [position, previous_position] = frame.positions(hit.triangle, hit.u, hit.v);
         // From projected to projected, not from the sample: so a still surface has a motion of exactly zero.
-        let now = frame.camera().project(surface.position, self.size());
-        let before = frame.previous_camera().project(surface.previous_position, self.size());
+        let now = frame.camera().project(position, self.size());
+        let before = frame.previous_camera().project(previous_position, self.size());
         let motion = now.zip(before).map_or(Vec2::ZERO, |(now, before)| before - now).to_array();
         Pixel {
             colour: colour.to_array(),
-            depth: frame.camera().view_depth(surface.position),
+            depth: frame.camera().view_depth(position),
             motion,
             instance: frame.object(hit.triangle).id,
             primitive: frame.primitive(hit.triangle),
