@@ -89,6 +89,13 @@ impl Bvh {
         };
     }
 
+    /// Lowest and highest corner of all triangles; none without any.
+    #[must_use]
+    pub fn bounds(&self) -> Option<[Vec3; 2]> {
+        let tree = self.tree();
+        tree.root.map(|_| [tree.lower.into(), tree.upper.into()])
+    }
+
     /// Visits every hit inside `[t_min, t_max]`, in no promised order except that near boxes come first.
     /// `visit` returns the new `t_max`; one above the current has no effect, `f32::NEG_INFINITY` stops.
     /// No triangle is visited twice.

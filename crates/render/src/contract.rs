@@ -9,7 +9,6 @@ use std::ops::ControlFlow;
 use glam::Vec3;
 use sheer_core::{
     blue_noise::blue_noise_64,
-    colour::Premul,
     parameter::{ParameterInfo, ParameterRange, Values},
     threshold_map::{ThresholdMap, std_maps},
 };
@@ -183,13 +182,122 @@ pub(crate) const CORRECTION_PARAMETER: ParameterInfo = ParameterInfo {
 /// How the backend finds the fragments of a pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Gathering {
-    /// All hits of the ray in one traversal, bounded by the first opaque one, then sorted.
+    /// All hits of the ray in one traversal, bounded by the first opaque one, then sorted: front to back.
     Sorted,
-    /// One ray after the other, each starting where the last one ended.
+    /// One ray after the other, each starting where the last one ended: front to back.
     Continuation,
+    /// All hits in front of what is opaque, in the order in which the scene lists its triangles: what a rasteriser hands over.
+    Unordered {
+        /// Trace the fragments anew for each pass, as a rasteriser without lists renders the geometry anew; or keep them, which is
+        /// faster and gives the same picture.
+        each_pass: bool,
+    },
 }
 
-/// Family of methods that add up fragments. They arrive front to back.
+/// The key for [`Gathering::Unordered`], for methods of several passes.
+pub const RETRACE_PARAMETER: ParameterInfo = ParameterInfo {
+    key: "retrace",
+    default: "off",
+    range: ParameterRange::Choice(&["off", "on"]),
+    what: "trace the fragments anew for each pass, as a rasteriser renders them anew; the same picture, times as on a GPU",
+};
+
+/// The samples of a pixel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Samples {
+    /// How many, 1 to [`Self::MOST`].
+    pub count: u32,
+    /// Where they lie.
+    pub placement: Placement,
+}
+
+/// Where the samples of a pixel lie.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Placement {
+    /// All where the pixel's one ray goes through: a surface covers all of them or none.
+    Centre,
+    /// Spread evenly over the pixel, so that their mean is its box filter.
+    Box,
+    /// Spread over 2×2 pixels by the density of a Gaussian, so that their mean is the filter of ST section 3.5.
+    Gaussian,
+}
+
+impl Samples {
+    /// A mask has one bit a sample.
+    pub const MOST: u32 = 64;
+    /// One sample, where the pixel's ray goes through.
+    pub const ONE: Self = Self { count: 1, placement: Placement::Centre };
+
+    /// All samples as a mask.
+    #[must_use]
+    pub fn all(self) -> u64 {
+        u64::MAX >> (Self::MOST - self.count)
+    }
+}
+
+/// A pixel that a compositing method is about to fill.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PixelSite {
+    /// Column and row, from the upper left.
+    pub pixel: [u32; 2],
+    /// Frame index.
+    pub frame: u32,
+    /// Seed of the run.
+    pub seed: u32,
+    /// No fragment of the frame is nearer or further than these, scene units along the view axis; both above 0.
+    pub depth_range: [f32; 2],
+}
+
+/// The part of a triangle that a pixel sees, transparent and in front of everything opaque.
+#[derive(Clone, Copy, Debug)]
+pub struct Fragment<'a> {
+    /// Opacity, [`MIN_ALPHA`] to below 1, at the covered sample nearest to the pixel centre, where it is shaded, too. Ordered gatherings
+    /// end with a fragment of 1, where something opaque is.
+    pub alpha: f32,
+    /// Samples that it covers, one bit each; never none.
+    pub coverage: u64,
+    /// Depth at each sample, scene units along the view axis; samples that are not covered hold anything. Only one where all samples lie
+    /// in the centre.
+    pub depths: &'a [f32],
+    /// The triangle's place in the scene: breaks ties of equal depths, so that no order of drawing shows.
+    pub order: u32,
+    /// `InstanceID()` of STD Listing 4.
+    pub instance: u32,
+    /// `GeometryIndex()`.
+    pub geometry: u32,
+    /// `PrimitiveIndex()`.
+    pub primitive: u32,
+    /// `HitKind()`: false front, true back.
+    pub is_back: bool,
+}
+
+impl Fragment<'_> {
+    /// Depth at a covered sample, with its tie-breaker: the order of all fragments there.
+    #[must_use]
+    #[inline]
+    pub fn place(&self, sample: usize) -> (f32, u32) {
+        (self.depths[sample.min(self.depths.len() - 1)], self.order)
+    }
+
+    /// Depth where it is shaded.
+    #[must_use]
+    #[inline]
+    pub fn depth(&self) -> f32 {
+        self.depths[(self.coverage.trailing_zeros() as usize).min(self.depths.len() - 1)]
+    }
+}
+
+/// What a method stores for a pixel on a GPU, beyond the colour and depth targets that all methods have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Memory {
+    /// So many bytes, whatever the scene.
+    Bounded(u32),
+    /// So many bytes a fragment: there is no bound.
+    PerFragment(u32),
+}
+
+/// Family of methods that add up fragments. In an unordered gathering what is opaque is no fragment but part of the background, which the
+/// backend shades by itself and adds by what [`Self::transmittance`] leaves of it; in an ordered one it is the last fragment.
 pub trait Compositing: Sync {
     /// What is kept of a pixel.
     type Pixel;
@@ -197,14 +305,59 @@ pub trait Compositing: Sync {
     /// How fragments are to be found.
     fn gathering(&self) -> Gathering;
 
+    /// The samples of a pixel; more than one only with [`Gathering::Unordered`].
+    fn samples(&self) -> Samples {
+        Samples::ONE
+    }
+
+    /// How often all fragments are handed over; more than once only with [`Gathering::Unordered`].
+    fn pass_count(&self) -> usize {
+        1
+    }
+
+    /// What a pass does, for tables of times.
+    fn pass_name(&self, pass: usize) -> &'static str {
+        let _ = pass;
+        "blend"
+    }
+
+    /// Whether any order of the fragments gives the same pixel, but for rounding. Methods with an ordered gathering see only one order.
+    fn is_order_independent(&self) -> bool {
+        true
+    }
+
+    /// What it stores.
+    fn memory(&self) -> Memory;
+
     /// An empty pixel.
-    fn begin(&self) -> Self::Pixel;
+    fn begin(&self, site: &PixelSite) -> Self::Pixel;
 
-    /// Adds a fragment of the given opacity; `shade` gives its radiance and is the costly part. `Break` ends the pixel.
-    fn add(&self, pixel: &mut Self::Pixel, alpha: f32, shade: impl FnOnce() -> Vec3) -> ControlFlow<()>;
+    /// Comes before each pass; `Break` leaves this and all further passes out.
+    fn begin_pass(&self, pixel: &mut Self::Pixel, pass: usize) -> ControlFlow<()> {
+        let _ = (pixel, pass);
+        ControlFlow::Continue(())
+    }
 
-    /// The pixel without its background.
-    fn resolve(&self, pixel: Self::Pixel) -> Premul;
+    /// Adds a fragment; `shade` gives its linear radiance and is the costly part. `Break` ends the pass.
+    fn add(
+        &self,
+        pixel: &mut Self::Pixel,
+        pass: usize,
+        fragment: &Fragment<'_>,
+        shade: impl FnOnce() -> Vec3,
+    ) -> ControlFlow<()>;
+
+    /// Share of the background that is seen at a sample, 0 to 1.
+    fn transmittance(&self, pixel: &Self::Pixel, sample: usize) -> f32;
+
+    /// Light of all fragments that reaches the eye: linear, premultiplied.
+    fn resolve(&self, pixel: &Self::Pixel) -> Vec3;
+
+    /// Fragments that found no place of their own in bounded memory and were merged with others.
+    fn merged_count(&self, pixel: &Self::Pixel) -> u32 {
+        let _ = pixel;
+        0
+    }
 }
 
 /// A backend's reaction to each family.

@@ -28,7 +28,7 @@ mod stage;
 pub mod temporal;
 
 pub use crate::{
-    cpu::{Background, Counters},
+    cpu::{Background, Counters, StepTime},
     method::{Method, MethodError},
     pipeline::{Clock, Moment, Pipeline, RenderError, Settings, Timings},
     stage::Stage,

@@ -6,7 +6,7 @@ use sheer_image::{ImageError, Planes};
 use sheer_scene::SceneError;
 
 use crate::{
-    cpu::{self, Background, Counters, FrameSettings},
+    cpu::{self, Background, Counters, FrameSettings, StepTime},
     method::Method,
     stage::Stage,
     temporal::{Antialiasing, History, jitter},
@@ -122,6 +122,7 @@ pub struct Pipeline {
     method: Method,
     settings: Settings,
     history: History,
+    steps: Vec<StepTime>,
 }
 
 impl Pipeline {
@@ -131,7 +132,7 @@ impl Pipeline {
     /// [`RenderError::Image`] if the size is zero or too much for the memory.
     pub fn new(method: Method, antialiasing: Antialiasing, settings: Settings) -> Result<Self, RenderError> {
         let history = History::new(antialiasing, settings.size)?;
-        Ok(Self { method, settings, history })
+        Ok(Self { method, settings, history, steps: Vec::new() })
     }
 
     /// The clock to advance the stage by.
@@ -156,6 +157,7 @@ impl Pipeline {
         let Settings { size, seed, background, .. } = self.settings;
         let settings = FrameSettings { size, frame, seed, jitter, background };
         let rendered = cpu::render(stage, &self.method, &settings)?;
+        self.steps = rendered.steps;
         let start = Instant::now();
         stage
             .pool()
@@ -166,6 +168,12 @@ impl Pipeline {
             resolve_ms: start.elapsed().as_secs_f64() * 1e3,
         };
         Ok((rendered.counters, timings))
+    }
+
+    /// Where the time of the last frame went, for compositing methods with an unordered gathering.
+    #[must_use]
+    pub fn steps(&self) -> &[StepTime] {
+        &self.steps
     }
 
     /// The picture so far: colour accumulated, everything else of the last frame.

@@ -1,15 +1,13 @@
-//! How the families find their fragments.
-
-use std::ops::ControlFlow;
+//! How the families of one shaded fragment find it.
 
 use glam::{Vec2, Vec3};
-use sheer_accel::{Hit, Ray};
+use sheer_accel::Hit;
 use sheer_core::{colour::Premul, coverage::Correction};
 use sheer_image::Pixel;
 use sheer_scene::CameraRay;
 
 use super::{Counters, Layer, Tracer};
-use crate::contract::{Compositing, Gathering, Hybrid, MIN_VISIBILITY, Site, Tables, Threshold, keeps};
+use crate::contract::{Hybrid, MIN_VISIBILITY, Site, Tables, Threshold, keeps};
 
 /// What a stochastic ray found.
 pub(super) struct Found {
@@ -19,7 +17,7 @@ pub(super) struct Found {
 }
 
 /// Whether a hit lies behind another in the order of all hits: by depth, then triangle.
-fn is_behind(hit: &Hit, other: &Hit) -> bool {
+pub(super) fn is_behind(hit: &Hit, other: &Hit) -> bool {
     (hit.t, hit.triangle) > (other.t, other.triangle)
 }
 
@@ -78,7 +76,7 @@ impl Tracer<'_> {
     }
 
     /// A hit taken as opaque, or the background.
-    fn seen(&self, ray: &CameraRay, hit: Option<&Hit>, counters: &mut Counters) -> Premul {
+    pub(super) fn seen(&self, ray: &CameraRay, hit: Option<&Hit>, counters: &mut Counters) -> Premul {
         hit.map_or_else(
             || self.background(ray),
             |hit| Premul { rgb: self.shade(ray, hit, counters), alpha: 1.0 },
@@ -181,7 +179,6 @@ impl Tracer<'_> {
     fn site(&self, method: &impl Threshold, at: [u32; 2], ray: &CameraRay, hit: &Hit) -> Site<1> {
         let frame = self.stage.frame();
         let object = frame.object(hit.triangle);
-        let back = frame.side(hit.triangle, hit.front) == sheer_scene::FaceSide::Back;
         let (position_in_object, footprint_in_object) =
             if method.uses_object_space() { self.object_space(at, hit) } else { (Vec3::ZERO, 0.0) };
         Site {
@@ -191,93 +188,10 @@ impl Tracer<'_> {
             instance: [object.id],
             geometry: [object.geometry],
             primitive: [hit.triangle - object.first_triangle],
-            back: [u32::from(back)],
+            back: [u32::from(self.is_back(hit))],
             position: (ray.origin + ray.direction * hit.t).to_array().map(|coordinate| [coordinate]),
             position_in_object: position_in_object.to_array().map(|coordinate| [coordinate]),
             footprint_in_object: [footprint_in_object],
-        }
-    }
-
-    /// Hands the fragments of a pixel to the method, front to back; equal depths in the order of their triangles.
-    pub(super) fn composite(
-        &mut self,
-        method: &impl Compositing,
-        at: [u32; 2],
-        counters: &mut Counters,
-    ) -> Pixel {
-        let sample = self.sample(at);
-        let camera_ray = self.camera_ray(sample);
-        let mut pixel = method.begin();
-        let mut last = None;
-        let mut transparent = false;
-        let mut ended = false;
-        let mut take = |hit: &Hit, alpha: f32, counters: &mut Counters| {
-            last = Some(*hit);
-            transparent |= alpha < 1.0;
-            let flow = method.add(&mut pixel, alpha, || self.shade(&camera_ray, hit, counters));
-            ended = flow.is_break();
-            flow
-        };
-        match method.gathering() {
-            Gathering::Sorted => {
-                let mut hits = self.sorted_hits(&self.ray(&camera_ray), counters);
-                let _ = hits.iter().try_for_each(|(hit, alpha)| take(hit, *alpha, counters));
-                hits.clear();
-                self.hits = hits;
-            }
-            Gathering::Continuation => self.continuation(&self.ray(&camera_ray), counters, &mut take),
-        }
-        let mut colour = method.resolve(pixel);
-        if !ended {
-            // Everything was transparent: the background is the last fragment.
-            colour = colour.over(self.background(&camera_ray));
-            last = None;
-        }
-        self.pixel(colour, sample, &camera_ray, last.as_ref(), transparent)
-    }
-
-    /// All visible hits up to the first opaque one in one traversal, sorted by depth, then triangle.
-    fn sorted_hits(&self, ray: &Ray, counters: &mut Counters) -> Vec<(Hit, f32)> {
-        let mut hits = Vec::with_capacity(self.hits.capacity());
-        let mut t_opaque = f32::INFINITY;
-        self.stage.bvh().traverse(ray, |hit| {
-            let alpha = self.alpha(&hit);
-            if alpha > 0.0 {
-                hits.push((hit, alpha));
-            }
-            if alpha >= 1.0 {
-                t_opaque = t_opaque.min(hit.t);
-            }
-            t_opaque
-        });
-        counters.camera_rays += 1;
-        counters.hits += hits.len() as u64;
-        hits.retain(|(hit, _)| hit.t <= t_opaque);
-        hits.sort_unstable_by(|(a, _), (b, _)| a.t.total_cmp(&b.t).then(a.triangle.cmp(&b.triangle)));
-        hits
-    }
-
-    /// The paper's way (Listing 2): each ray starts at the last hit. It starts there inclusively and passes over what has been seen, so
-    /// that a second surface at the same depth is not lost.
-    fn continuation(
-        &self,
-        ray: &Ray,
-        counters: &mut Counters,
-        take: &mut impl FnMut(&Hit, f32, &mut Counters) -> ControlFlow<()>,
-    ) {
-        let mut after: Option<Hit> = None;
-        loop {
-            let from = after.map_or(ray.t_min, |hit| hit.t);
-            let next = self.stage.bvh().closest(&Ray { t_min: from, ..*ray }, |hit| {
-                after.is_none_or(|last| is_behind(hit, &last)) && self.alpha(hit) > 0.0
-            });
-            counters.camera_rays += 1;
-            let Some(hit) = next else { return };
-            counters.hits += 1;
-            if take(&hit, self.alpha(&hit), counters).is_break() {
-                return;
-            }
-            after = Some(hit);
         }
     }
 }

@@ -1,23 +1,26 @@
 //! The CPU backend: the default and the gold standard. Deterministic: the same bits for any number of threads.
 
-use std::time::Instant;
+use std::{iter, time::Instant};
 
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 use sheer_accel::{Hit, Ray};
 use sheer_core::{colour::Premul, coverage::Correction};
 use sheer_image::{Pixel, Planes};
-use sheer_scene::CameraRay;
+use sheer_scene::{CameraRay, FaceSide};
 
+use self::composite::{Nanoseconds, Workspace};
 use crate::{
-    contract::{Compositing, Hybrid, MIN_ALPHA, Selection, Tables, Threshold, Visitor},
+    contract::{Compositing, Gathering, Hybrid, MIN_ALPHA, Selection, Tables, Threshold, Visitor},
     method::Method,
     pipeline::RenderError,
     stage::Stage,
 };
 
+mod composite;
 mod gather;
 mod object_space;
+mod samples;
 mod shade;
 
 /// What lies behind everything (`--background`).
@@ -58,6 +61,8 @@ pub struct Counters {
     pub hits: u64,
     /// Fragments shaded.
     pub shaded: u64,
+    /// Fragments that bounded memory had no place for, so that they were merged with others.
+    pub merged: u64,
 }
 
 impl std::ops::Add for Counters {
@@ -69,8 +74,18 @@ impl std::ops::Add for Counters {
             shadow_rays: self.shadow_rays + other.shadow_rays,
             hits: self.hits + other.hits,
             shaded: self.shaded + other.shaded,
+            merged: self.merged + other.merged,
         }
     }
+}
+
+/// A step of a compositing method and how long all threads together were at it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StepTime {
+    /// `gather`, one of the method's passes, or `composite`.
+    pub name: &'static str,
+    /// Milliseconds, summed over threads.
+    pub ms: f64,
 }
 
 /// A frame and its cost.
@@ -82,6 +97,8 @@ pub struct Rendered {
     pub counters: Counters,
     /// Milliseconds from the first ray to the last pixel; building the acceleration structure comes on top.
     pub trace_ms: f64,
+    /// The steps of methods with an unordered gathering; empty for all others.
+    pub steps: Vec<StepTime>,
 }
 
 /// Renders one frame of a stage.
@@ -138,7 +155,18 @@ impl Visitor for Draw<'_> {
     }
 
     fn compositing(self, method: &impl Compositing) -> Self::Output {
-        self.bands(|tracer, at, counters| tracer.composite(method, at, counters))
+        let offsets = samples::offsets(method.samples(), self.settings.jitter);
+        let pass_names = (0..method.pass_count()).map(|pass| method.pass_name(pass));
+        let (mut rendered, nanoseconds) =
+            self.timed_bands(|tracer, at, counters| tracer.composite(method, &offsets, at, counters))?;
+        if matches!(method.gathering(), Gathering::Unordered { .. }) {
+            let names = iter::once("gather").chain(pass_names).chain(["composite"]);
+            let Nanoseconds { gather, passes, composite } = nanoseconds;
+            let times = iter::once(gather).chain(passes).chain([composite]);
+            rendered.steps =
+                names.zip(times).map(|(name, ns)| StepTime { name, ms: ns as f64 * 1e-6 }).collect();
+        }
+        Ok(rendered)
     }
 }
 
@@ -148,10 +176,18 @@ impl Draw<'_> {
         self,
         trace: impl Fn(&mut Tracer<'_>, [u32; 2], &mut Counters) -> Pixel + Sync,
     ) -> Result<Rendered, RenderError> {
+        Ok(self.timed_bands(trace)?.0)
+    }
+
+    /// The same, with the time of each step.
+    fn timed_bands(
+        self,
+        trace: impl Fn(&mut Tracer<'_>, [u32; 2], &mut Counters) -> Pixel + Sync,
+    ) -> Result<(Rendered, Nanoseconds), RenderError> {
         let [width, height] = self.settings.size;
         let mut planes = Planes::new(width, height)?;
         let start = Instant::now();
-        let counters = self.stage.pool().install(|| {
+        let (counters, nanoseconds) = self.stage.pool().install(|| {
             let bands = planes.par_bands_mut(BAND_ROWS);
             let costs = bands.map(|mut band| {
                 let mut tracer = Tracer::new(self.stage, self.settings, self.correction);
@@ -165,11 +201,14 @@ impl Draw<'_> {
                         }
                     }
                 }
-                counters
+                (counters, tracer.nanoseconds)
             });
-            costs.reduce(Counters::default, |a, b| a + b)
+            costs.reduce(Default::default, |(counters, times), (more, longer)| {
+                (counters + more, times.plus(&longer))
+            })
         });
-        Ok(Rendered { planes, counters, trace_ms: start.elapsed().as_secs_f64() * 1e3 })
+        let trace_ms = start.elapsed().as_secs_f64() * 1e3;
+        Ok((Rendered { planes, counters, trace_ms, steps: Vec::new() }, nanoseconds))
     }
 }
 
@@ -179,7 +218,10 @@ struct Tracer<'a> {
     settings: &'a FrameSettings,
     /// Of what is held against a threshold.
     correction: Correction,
-    hits: Vec<(Hit, f32)>,
+    /// See [`crate::contract::PixelSite::depth_range`].
+    depth_range: [f32; 2],
+    workspace: Workspace,
+    nanoseconds: Nanoseconds,
     layers: Vec<Layer>,
 }
 
@@ -194,7 +236,15 @@ struct Layer {
 
 impl<'a> Tracer<'a> {
     fn new(stage: &'a Stage, settings: &'a FrameSettings, correction: Correction) -> Self {
-        Self { stage, settings, correction, hits: Vec::new(), layers: Vec::new() }
+        Self {
+            stage,
+            settings,
+            correction,
+            depth_range: depth_range(stage),
+            workspace: Workspace::default(),
+            nanoseconds: Nanoseconds::default(),
+            layers: Vec::new(),
+        }
     }
 
     fn size(&self) -> Vec2 {
@@ -202,9 +252,14 @@ impl<'a> Tracer<'a> {
         Vec2::new(width as f32, height as f32)
     }
 
-    /// Where the sample of a pixel lies, in pixels.
-    fn sample(&self, [x, y]: [u32; 2]) -> Vec2 {
-        Vec2::new(x as f32 + 0.5, y as f32 + 0.5) + self.settings.jitter
+    /// The centre of a pixel, in pixels.
+    fn centre(&self, [x, y]: [u32; 2]) -> Vec2 {
+        Vec2::new(x as f32 + 0.5, y as f32 + 0.5)
+    }
+
+    /// Where the one sample of a pixel lies, in pixels.
+    fn sample(&self, at: [u32; 2]) -> Vec2 {
+        self.centre(at) + self.settings.jitter
     }
 
     fn camera_ray(&self, sample: Vec2) -> CameraRay {
@@ -264,9 +319,32 @@ impl<'a> Tracer<'a> {
         Ray { t_min: after.map_or(ray.t_min, |hit| hit.t), ..ray }
     }
 
+    /// Whether the side of the surface is seen that its vertices go around clockwise.
+    fn is_back(&self, hit: &Hit) -> bool {
+        self.stage.frame().side(hit.triangle, hit.front) == FaceSide::Back
+    }
+
     /// Opacity of a hit for the camera; 0 where it is less than anyone would see.
     fn alpha(&self, hit: &Hit) -> f32 {
         let alpha = self.stage.frame().opacity_for_camera(hit.triangle, hit.u, hit.v, hit.front);
         if alpha >= MIN_ALPHA { alpha } else { 0.0 }
     }
+}
+
+/// A camera inside the scene sees things as near as you like; depths are told apart from this share of the furthest one on.
+const NEAREST_SHARE: f32 = 1e-3;
+
+/// The depths between which all surfaces lie, along the view axis; both above 0.
+fn depth_range(stage: &Stage) -> [f32; 2] {
+    let Some([low, high]) = stage.bvh().bounds() else { return [1.0, 2.0] };
+    let camera = stage.frame().camera();
+    let corner = |index: u32| {
+        let bit = |axis: u32| index >> axis & 1 != 0;
+        camera.view_depth(Vec3::select(glam::BVec3::new(bit(0), bit(1), bit(2)), high, low))
+    };
+    let (near, far) = (0..8)
+        .map(corner)
+        .fold((f32::INFINITY, f32::NEG_INFINITY), |(near, far), depth| (near.min(depth), far.max(depth)));
+    let far = far.max(f32::MIN_POSITIVE / NEAREST_SHARE);
+    [near.max(NEAREST_SHARE * far), far]
 }

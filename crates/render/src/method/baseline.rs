@@ -3,12 +3,11 @@
 use std::ops::ControlFlow;
 
 use glam::Vec3;
-use sheer_core::{
-    colour::Premul,
-    parameter::{ParameterInfo, ParameterRange, Values},
-};
+use sheer_core::parameter::{ParameterInfo, ParameterRange, Values};
 
-use crate::contract::{Compositing, Gathering, MIN_VISIBILITY, MethodInfo, Visitor};
+use crate::contract::{
+    Compositing, Fragment, Gathering, MIN_VISIBILITY, Memory, MethodInfo, PixelSite, Visitor,
+};
 
 /// Its entry in the table.
 pub const INFO: MethodInfo = MethodInfo {
@@ -59,17 +58,35 @@ impl Compositing for Baseline {
         self.gathering
     }
 
-    fn begin(&self) -> Accumulated {
+    fn memory(&self) -> Memory {
+        match self.gathering {
+            Gathering::Continuation => Memory::Bounded(0),
+            // Depth, opacity and what to shade.
+            Gathering::Sorted | Gathering::Unordered { .. } => Memory::PerFragment(12),
+        }
+    }
+
+    fn begin(&self, _: &PixelSite) -> Accumulated {
         Accumulated { rgb_premul: Vec3::ZERO, visibility: 1.0 }
     }
 
-    fn add(&self, pixel: &mut Accumulated, alpha: f32, shade: impl FnOnce() -> Vec3) -> ControlFlow<()> {
-        pixel.rgb_premul += pixel.visibility * alpha * shade();
-        pixel.visibility *= 1.0 - alpha;
+    fn add(
+        &self,
+        pixel: &mut Accumulated,
+        _: usize,
+        fragment: &Fragment<'_>,
+        shade: impl FnOnce() -> Vec3,
+    ) -> ControlFlow<()> {
+        pixel.rgb_premul += pixel.visibility * fragment.alpha * shade();
+        pixel.visibility *= 1.0 - fragment.alpha;
         if pixel.visibility > MIN_VISIBILITY { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
     }
 
-    fn resolve(&self, pixel: Accumulated) -> Premul {
-        Premul { rgb: pixel.rgb_premul, alpha: 1.0 - pixel.visibility }
+    fn transmittance(&self, pixel: &Accumulated, _: usize) -> f32 {
+        pixel.visibility
+    }
+
+    fn resolve(&self, pixel: &Accumulated) -> Vec3 {
+        pixel.rgb_premul
     }
 }

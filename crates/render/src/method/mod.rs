@@ -143,6 +143,7 @@ methods! {
     dtaa_unique::DtaaUnique,
     hashed::Hashed,
     stbn::Stbn,
+    list::List,
 }
 
 impl Method {

@@ -10,12 +10,12 @@
 use std::ops::ControlFlow;
 
 use glam::Vec3;
-use sheer_core::colour::{Premul, luminance};
+use sheer_core::colour::luminance;
 use sheer_image::{Image, Planes};
 use sheer_metrics::statistics::{Moments, sidak_family, two_sided_z, z_score};
 use sheer_render::{
     Antialiasing, Background, Clock, Settings, Stage,
-    contract::{Compositing, Gathering},
+    contract::{Compositing, Fragment, Gathering, Memory, PixelSite},
     cpu::{FrameSettings, render_compositing},
     temporal::jitter,
 };
@@ -114,29 +114,38 @@ impl Compositing for MomentsOfDraws {
         Gathering::Sorted
     }
 
-    fn begin(&self) -> SeenSoFar {
+    fn memory(&self) -> Memory {
+        Memory::PerFragment(12)
+    }
+
+    fn begin(&self, _: &PixelSite) -> SeenSoFar {
         (1.0, Vec3::ZERO)
     }
 
     fn add(
         &self,
         (visibility, sums): &mut SeenSoFar,
-        alpha: f32,
+        _: usize,
+        fragment: &Fragment<'_>,
         shade: impl FnOnce() -> Vec3,
     ) -> ControlFlow<()> {
         let brightness = luminance(shade());
-        let seen = *visibility * alpha;
+        let seen = *visibility * fragment.alpha;
         *sums = Vec3::new(
             sums.x + seen * brightness,
             sums.y + seen * brightness * brightness,
             sums.z.max(brightness),
         );
-        *visibility *= 1.0 - alpha;
+        *visibility *= 1.0 - fragment.alpha;
         if *visibility > 0.0 { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
     }
 
-    fn resolve(&self, (_, sums): SeenSoFar) -> Premul {
-        Premul { rgb: sums, alpha: 1.0 }
+    fn transmittance(&self, _: &SeenSoFar, _: usize) -> f32 {
+        0.0
+    }
+
+    fn resolve(&self, (_, sums): &SeenSoFar) -> Vec3 {
+        *sums
     }
 }
 
