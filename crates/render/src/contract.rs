@@ -179,6 +179,14 @@ pub(crate) const CORRECTION_PARAMETER: ParameterInfo = ParameterInfo {
     what: "opacity to coverage before the threshold; dlss: STD Eq. 5; on the command line also a file of `sheer calibrate`",
 };
 
+/// The key for the alignment of motion vectors (STD section 3.3.1), which every method takes whose pattern is fixed to the screen.
+pub(crate) const ALIGNMENT_PARAMETER: ParameterInfo = ParameterInfo {
+    key: "align",
+    default: "on",
+    range: ParameterRange::Choice(&["on", "off"]),
+    what: "under taa: align motion vectors to the dithering pattern; off shows what it prevents",
+};
+
 /// How the backend finds the fragments of a pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Gathering {

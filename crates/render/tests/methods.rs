@@ -284,6 +284,24 @@ fn a_limit_of_layers_bounds_what_a_hybrid_shades() {
         assert_eq!(cost("hybrid=0").shaded, 21 * pixels, "{}", info.id);
         let bounded = cost("hybrid=0,layers=4");
         assert_eq!((bounded.shaded, bounded.camera_rays), (5 * pixels, 2 * pixels), "{}", info.id);
+        // The first two layers leave 0.81: only a lower share than that runs out of fragments.
+        let merged = ["hybrid=0,layers=4", "hybrid=0", "hybrid=0.85,layers=2", "hybrid=0.8,layers=2"];
+        assert_eq!(merged.map(|keys| cost(keys).merged), [pixels, 0, 0, pixels], "{}", info.id);
+    }
+}
+
+#[test]
+fn alignment_changes_what_taa_makes_of_motion_and_nothing_else() {
+    let scene = sheer_scene::open("pane").unwrap().scene;
+    let camera = CameraChoice::Named("path".to_owned());
+    let mut stage = Stage::new(scene, &camera, Some(2)).unwrap();
+    let mut picture = |method: &str, aa| play_on(&mut stage, method, aa, 6, small(64, 36)).0;
+    for method in ["std", "joint", "dtaa"] {
+        let off = format!("{method}:align=off");
+        assert_ne!(picture(method, Antialiasing::Taa), picture(&off, Antialiasing::Taa), "{method}");
+        for still in [Antialiasing::None, Antialiasing::Accumulate] {
+            assert_eq!(picture(method, still), picture(&off, still), "{method}");
+        }
     }
 }
 

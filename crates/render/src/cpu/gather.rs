@@ -67,6 +67,7 @@ impl Tracer<'_> {
         if !ended {
             colour = colour.over(self.background(camera_ray));
         } else if visibility > MIN_VISIBILITY {
+            counters.merged += u64::from(visibility > share);
             let rest = find(self, camera_ray, last, counters);
             transparent |= rest.transparent;
             last = rest.hit;

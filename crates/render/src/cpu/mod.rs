@@ -61,7 +61,8 @@ pub struct Counters {
     pub hits: u64,
     /// Fragments shaded.
     pub shaded: u64,
-    /// Fragments that bounded memory had no place for, so that they were merged with others.
+    /// Fragments that bounded memory had no place for, so that they were merged with others; of a hybrid, pixels whose exact fragments
+    /// ran out before the visibility had fallen, so that one draw stands for more than it should.
     pub merged: u64,
 }
 

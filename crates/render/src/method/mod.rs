@@ -8,7 +8,9 @@ use sheer_core::{
     parameter::{ParameterInfo, Values, split_name},
 };
 
-use crate::contract::{CORRECTION_PARAMETER, Compositing, Hybrid, MethodInfo, Selection, Threshold, Visitor};
+use crate::contract::{
+    ALIGNMENT_PARAMETER, CORRECTION_PARAMETER, Compositing, Hybrid, MethodInfo, Selection, Threshold, Visitor,
+};
 
 /// Why there is no such method.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -48,7 +50,8 @@ impl Family {
         if self == Self::Compositing {
             return info.parameters.to_vec();
         }
-        [info.parameters, Hybrid::PARAMETERS, &[CORRECTION_PARAMETER]].concat()
+        let alignment = if info.alignment_px > 1 { &[ALIGNMENT_PARAMETER][..] } else { &[] };
+        [info.parameters, Hybrid::PARAMETERS, &[CORRECTION_PARAMETER], alignment].concat()
     }
 }
 
@@ -82,6 +85,7 @@ macro_rules! methods {
             kind: Kind,
             hybrid: Hybrid,
             correction: Correction,
+            alignment_px: u32,
             text: String,
         }
 
@@ -124,8 +128,9 @@ macro_rules! methods {
                         Family::Compositing => (Hybrid::NONE, Correction::NONE),
                         Family::Threshold | Family::Selection => (Hybrid::new(&values), correction(&values)),
                     };
+                    let alignment_px = alignment_px(&$module::INFO, &values);
                     let kind = Kind::$name($module::$name::new(&values));
-                    return Ok(Self { kind, hybrid, correction, text: text.to_owned() });
+                    return Ok(Self { kind, hybrid, correction, alignment_px, text: text.to_owned() });
                 })+
                 let known = METHODS.iter().map(|info| info.id).collect::<Vec<_>>().join(", ");
                 Err(MethodError::Unknown { name: name.to_owned(), known })
@@ -171,6 +176,12 @@ impl Method {
         self.correction
     }
 
+    /// Motion vectors are to be aligned to multiples of this many pixels; 1: not at all.
+    #[must_use]
+    pub fn alignment_px(&self) -> u32 {
+        self.alignment_px
+    }
+
     /// The method with a correction of the caller's own; it prints as `text` from now on. A [`Family::Compositing`] method has no threshold
     /// and renders as before.
     #[must_use]
@@ -185,6 +196,12 @@ fn correction(values: &Values) -> Correction {
         "dlss" => Correction::DLSS,
         _ => Correction::NONE,
     }
+}
+
+/// The alignment that a method has and its user has not turned off.
+fn alignment_px(info: &MethodInfo, values: &Values) -> u32 {
+    let is_off = info.alignment_px > 1 && values.text(ALIGNMENT_PARAMETER.key) == "off";
+    if is_off { 1 } else { info.alignment_px }
 }
 
 impl fmt::Display for Method {
@@ -223,6 +240,16 @@ mod tests {
             if let Ok(method) = hybrid {
                 assert_eq!(method.hybrid(), Hybrid { visibility: 0.5, layers: Some(4) });
             }
+        }
+    }
+
+    #[test]
+    fn alignment_can_be_turned_off_where_there_is_any() {
+        for info in METHODS {
+            assert_eq!(info.id.parse::<Method>().unwrap().alignment_px(), info.alignment_px, "{}", info.id);
+            let off = format!("{}:align=off", info.id).parse::<Method>();
+            assert_eq!(off.is_ok(), info.alignment_px > 1, "{}", info.id);
+            assert!(off.is_ok_and(|method| method.alignment_px() == 1) || info.alignment_px == 1);
         }
     }
 
