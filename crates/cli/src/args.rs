@@ -81,6 +81,9 @@ pub(crate) struct CompareArguments {
     /// none, accumulate or taa; give as many as you like.
     #[arg(short = 'a', long = "aa", value_name = "AA", default_value = "taa")]
     pub(crate) antialiasings: Vec<Antialiasing>,
+    /// Judge the clips with ColorVideoVDP as well, in just-objectionable differences; about as slow as rendering.
+    #[arg(long)]
+    pub(crate) vdp: bool,
     /// Folder for index.html, report.json and the pictures.
     #[arg(short, long, value_name = "DIR", default_value = output::FOLDER)]
     pub(crate) output: PathBuf,
@@ -100,6 +103,9 @@ pub(crate) struct BenchArguments {
     /// File for the figures, - for stdout in place of the table.
     #[arg(long, value_name = "FILE")]
     pub(crate) json: Option<PathBuf>,
+    /// File for a page with table and chart.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) html: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) frames: FrameArguments,
     #[command(flatten)]
@@ -117,6 +123,9 @@ pub(crate) struct CalibrateArguments {
     /// JSON file for the coefficients, to be given as METHOD:correction=FILE; - for stdout in place of the table.
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
+    /// File for a page with plot, correction and picture.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) html: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) frames: FrameArguments,
     #[command(flatten)]

@@ -27,6 +27,9 @@ pub enum MetricError {
         /// Frames given.
         images: usize,
     },
+    /// ColorVideoVDP has no answer.
+    #[error("ColorVideoVDP: {0}")]
+    Vdp(#[from] colorvideovdp::Error),
     /// A result does not fit into memory.
     #[error(transparent)]
     Image(#[from] ImageError),

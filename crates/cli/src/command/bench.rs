@@ -6,8 +6,9 @@ use crate::{
     args::{BenchArguments, DEFAULT_SIZE},
     output::{self, TextOutput},
     report::{
+        benchmark::figures,
         json::{self, Benchmark, BenchmarkRow},
-        table::{Table, number},
+        page,
     },
     setup::{self, without_repeats},
     tally::Tally,
@@ -16,6 +17,7 @@ use crate::{
 pub(crate) fn run(arguments: &BenchArguments) -> anyhow::Result<()> {
     let talk = arguments.machine.apply()?;
     let json = arguments.json.as_deref().map(TextOutput::open).transpose()?;
+    let html = arguments.html.as_deref().map(TextOutput::open).transpose()?;
     let settings = arguments.frames.settings(DEFAULT_SIZE);
     let frame_count = arguments.frames.frames;
     let methods = without_repeats(&arguments.methods);
@@ -63,42 +65,16 @@ pub(crate) fn run(arguments: &BenchArguments) -> anyhow::Result<()> {
         .collect();
     let run = setup::describe(&arguments.scene, arguments.machine, &opened, &settings, frame_count);
     let report = Benchmark { run, rows };
-    let text = json::text(&report)?;
-    match &json {
-        Some(output) if output.is_stdout() => output.write(&text),
-        Some(output) => output.write(&text).and_then(|()| output::print(&table(&report))),
-        None => output::print(&table(&report)),
+    if let Some(output) = &html {
+        output.write(&page::benchmark::text(&report)?)?;
     }
-}
-
-fn table(report: &Benchmark) -> String {
-    let [width, height] = report.run.size;
-    let pixels = f64::from(width) * f64::from(height);
-    let mut table = Table::new(&[
-        "method",
-        "ms",
-        "spread",
-        "min",
-        "max",
-        "ratio",
-        "build ms",
-        "rays/px",
-        "shaded/px",
-        "Mray/s",
-    ]);
-    for row in &report.rows {
-        table.add(vec![
-            row.method.clone(),
-            number(row.ms_median, 2),
-            number(row.ms_spread, 2),
-            number(row.ms_min, 2),
-            number(row.ms_max, 2),
-            number(row.ratio, 3),
-            number(row.build_ms_median, 2),
-            number(row.rays / pixels, 2),
-            number(row.shaded / pixels, 2),
-            number(row.mray_per_s, 2),
-        ]);
+    if let Some(output) = &json {
+        output.write(&json::text(&report)?)?;
     }
-    table.text()
+    let replaces_table = |output: &Option<TextOutput<'_>>| output.as_ref().is_some_and(TextOutput::is_stdout);
+    if replaces_table(&json) || replaces_table(&html) {
+        Ok(())
+    } else {
+        output::print(&figures(&report).text())
+    }
 }

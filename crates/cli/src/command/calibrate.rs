@@ -2,17 +2,19 @@
 
 use serde::Serialize;
 use sheer_core::coverage::Correction;
-use sheer_image::Planes;
-use sheer_render::{Background, Pipeline};
+use sheer_image::{Metadata, Planes, ToneCurve, display, encode_png};
+use sheer_render::{Antialiasing, Background, Method, Pipeline};
 
 use crate::{
     args::{CalibrateArguments, DEFAULT_SIZE, SceneArguments},
     failure::Misuse,
     output::{self, TextOutput},
     report::{
-        json,
-        table::{Table, number},
+        calibration::{Calibration, Level},
+        json::{self, Run},
+        page,
     },
+    setup,
 };
 
 /// Columns of the scene `calibration`.
@@ -26,13 +28,6 @@ struct CorrectionFile {
     coefficients: [f32; 4],
 }
 
-/// Of one column.
-struct Level {
-    wanted: f64,
-    fed: f64,
-    measured: f64,
-}
-
 pub(crate) fn run(arguments: &CalibrateArguments) -> anyhow::Result<()> {
     let talk = arguments.machine.apply()?;
     let settings = arguments.frames.settings(DEFAULT_SIZE);
@@ -40,10 +35,12 @@ pub(crate) fn run(arguments: &CalibrateArguments) -> anyhow::Result<()> {
     if settings.background != Background::Environment {
         return Err(Misuse("calibrate measures over black: leave --background out".to_owned()).into());
     }
+    let html = arguments.html.as_deref().map(TextOutput::open).transpose()?;
     let file = arguments.output.as_deref().map(TextOutput::open).transpose()?;
 
     let scene = SceneArguments { text: "calibration".to_owned(), camera: None, alpha: None };
-    let mut stage = scene.open(arguments.machine, talk)?.stage;
+    let mut opened = scene.open(arguments.machine, talk)?;
+    let stage = &mut opened.stage;
     let method = &arguments.method;
     let mut pipeline = Pipeline::new(method.clone(), arguments.antialiasing, settings)?;
     let frames = arguments.frames.frames;
@@ -51,7 +48,7 @@ pub(crate) fn run(arguments: &CalibrateArguments) -> anyhow::Result<()> {
     let mut sums = [0.0; LEVELS];
     for index in 0..frames {
         stage.advance(pipeline.clock().at(index));
-        pipeline.render(&stage, index)?;
+        pipeline.render(stage, index)?;
         if index >= frames / 2 {
             for (sum, area) in sums.iter_mut().zip(areas) {
                 *sum += mean_brightness(pipeline.planes(), area);
@@ -61,22 +58,45 @@ pub(crate) fn run(arguments: &CalibrateArguments) -> anyhow::Result<()> {
     }
     progress.finish_and_clear();
 
-    let levels: [Level; LEVELS] = std::array::from_fn(|at| {
-        let wanted = (at + 1) as f64 / LEVELS as f64;
-        let fed = f64::from(method.correction().coverage(wanted as f32));
-        // The last column is opaque white.
-        Level { wanted, fed, measured: sums[at] / sums[LEVELS - 1] }
-    });
-    let pairs = levels.each_ref().map(|level| [level.measured, level.fed]);
+    // The last column is opaque white.
+    let measured = sums.map(|sum| sum / sums[LEVELS - 1]);
+    let run = setup::describe(&scene, arguments.machine, &opened, &settings, frames);
+    let calibration = calibration(run, method, arguments.antialiasing, measured)?;
+    if let Some(output) = &html {
+        let picture = display(&pipeline.planes().colour, ToneCurve::default());
+        output
+            .write(&page::calibration::text(&calibration, &encode_png(&picture, &Metadata::default())?)?)?;
+    }
+    if let Some(output) = &file {
+        let coefficients = calibration.correction.coefficients();
+        output.write(&json::text(&CorrectionFile { coefficients })?)?;
+    }
+    let replaces_table = |output: &Option<TextOutput<'_>>| output.as_ref().is_some_and(TextOutput::is_stdout);
+    if replaces_table(&file) || replaces_table(&html) { Ok(()) } else { output::print(&calibration.text()) }
+}
+
+/// Fits the correction to what was measured.
+fn calibration(
+    run: Run,
+    method: &Method,
+    antialiasing: Antialiasing,
+    measured: [f64; LEVELS],
+) -> anyhow::Result<Calibration> {
+    let wanted: [f64; LEVELS] = std::array::from_fn(|at| (at + 1) as f64 / LEVELS as f64);
+    let fed = wanted.map(|wanted| f64::from(method.correction().coverage(wanted as f32)));
+    let pairs: [[f64; 2]; LEVELS] = std::array::from_fn(|at| [measured[at], fed[at]]);
     let correction = Correction::fit(&pairs).ok_or_else(|| {
         anyhow::anyhow!("{method} shows fewer than four different opacities: there is no cubic through them; try more --frames")
     })?;
-    let text = json::text(&CorrectionFile { coefficients: correction.coefficients() })?;
-    match &file {
-        Some(output) if output.is_stdout() => output.write(&text),
-        Some(output) => output.write(&text).and_then(|()| output::print(&report(&levels, correction))),
-        None => output::print(&report(&levels, correction)),
-    }
+    let level = |at: usize| Level {
+        number: at + 1,
+        wanted: wanted[at],
+        fed: fed[at],
+        measured: measured[at],
+        corrected: f64::from(correction.coverage(wanted[at] as f32)),
+    };
+    let levels = (0..LEVELS).map(level).collect();
+    Ok(Calibration { run, method: method.to_string(), aa: antialiasing.to_string(), levels, correction })
 }
 
 /// First and end column and row of the inside of each transparent panel, pixels.
@@ -103,43 +123,4 @@ fn mean_brightness(planes: &Planes, [first, end, top, bottom]: [u32; 4]) -> f64 
     let rows = rows.skip(top as usize).take((bottom - top) as usize);
     let sum: f64 = rows.flat_map(|row| &row[first as usize..end as usize]).map(|&[r, ..]| f64::from(r)).sum();
     sum / (f64::from(end - first) * f64::from(bottom - top))
-}
-
-fn report(levels: &[Level], correction: Correction) -> String {
-    let mut table = Table::new(&["level", "wanted", "measured", "corrected"]);
-    for (at, level) in levels.iter().enumerate() {
-        let corrected = f64::from(correction.coverage(level.wanted as f32));
-        let cells = [level.wanted, level.measured, corrected].map(|value| number(value, 4));
-        table.add([vec![(at + 1).to_string()], cells.to_vec()].concat());
-    }
-    let [c0, c1, c2, c3] = correction.coefficients().map(f64::from);
-    let squares = levels.iter().map(|level| {
-        let m = level.measured;
-        (c0 + c1 * m + c2 * m * m + c3 * m.powi(3) - level.fed).powi(2)
-    });
-    let residual = (squares.sum::<f64>() / levels.len() as f64).sqrt();
-    format!(
-        "{}\ncoverage to feed, from opacity wanted: {c0:.4} + {c1:.4} a + {c2:.4} a^2 + {c3:.4} a^3\nroot mean square residual: {residual:.4}\n\n{}",
-        table.text(),
-        plot(levels, correction)
-    )
-}
-
-/// Over the wanted opacities: `.` themselves, `o` measured, `x` corrected.
-fn plot(levels: &[Level], correction: Correction) -> String {
-    const ROWS: usize = 10;
-    let row = |value: f64| (value.clamp(0.0, 1.0) * ROWS as f64).round() as usize;
-    let mut text = String::new();
-    for at in (0..=ROWS).rev() {
-        let mut line = format!("{:.1} |", at as f64 / ROWS as f64);
-        for level in levels {
-            let corrected = f64::from(correction.coverage(level.wanted as f32));
-            let marks = [(level.wanted, '.'), (level.measured, 'o'), (corrected, 'x')];
-            line.push(' ');
-            line.extend(marks.map(|(value, mark)| if row(value) == at { mark } else { ' ' }));
-        }
-        text.push_str(line.trim_end());
-        text.push('\n');
-    }
-    text + ". wanted  o measured  x corrected\n"
 }

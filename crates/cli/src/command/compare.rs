@@ -1,16 +1,19 @@
 //! `sheer compare`: methods side by side with the exact answer.
 
-use sheer_image::{Image, Metadata, ToneCurve, display_over_black, encode_png};
-use sheer_metrics::{Flicker, bias, error_map, flip, psnr_db, rms, ssim};
+use sheer_image::{Image, Metadata, ToneCurve, display_over_black, encode_png, u8_from_unit};
+use sheer_metrics::{Flicker, TemporalPsnr, bias, error_map, flip, psnr_db, rms, ssim, video_vdp_jod};
 use sheer_render::{Antialiasing, Clock, Method, Pipeline, Settings, Stage};
 
 use crate::{
     args::{COMPARE_SIZE, CompareArguments},
     output,
     report::{
-        comparison::table,
-        html::{self, Entry, Page},
+        comparison::figures,
         json::{self, Comparison, ComparisonRow},
+        page::{
+            self,
+            comparison::{Entry, Page},
+        },
     },
     setup::{self, file_name_from, without_repeats},
     tally::Tally,
@@ -34,7 +37,7 @@ pub(crate) fn run(arguments: &CompareArguments) -> anyhow::Result<()> {
     let mut entries = Vec::new();
     let progress = talk.progress(u64::from(frame_count) * (methods.len() * antialiasings.len()) as u64);
     for &antialiasing in &antialiasings {
-        let clip = Clip { settings, antialiasing, frame_count };
+        let clip = Clip { settings, antialiasing, frame_count, keeps_frames: arguments.vdp };
         entries.extend(clip.play(&mut opened.stage, &methods, || progress.inc(1))?);
     }
     progress.finish_and_clear();
@@ -50,10 +53,11 @@ pub(crate) fn run(arguments: &CompareArguments) -> anyhow::Result<()> {
     let rows = entries.iter().map(|entry| entry.row.clone()).collect();
     let report = Comparison { run, reference: REFERENCE.to_owned(), rows };
     // What refers to the pictures comes last, so that an interrupted run leaves no report that lacks them.
-    let page = html::text(&Page { report: &report, entries: &entries, error_full_scale: ERROR_FULL_SCALE })?;
+    let page = Page { report: &report, entries: &entries, error_full_scale: ERROR_FULL_SCALE };
+    let page = page::comparison::text(&page)?;
     output::write_file(&folder.join("report.json"), json::text(&report)?.as_bytes())?;
     output::write_file(&folder.join("index.html"), page.as_bytes())?;
-    output::print(&table(&report))?;
+    output::print(&figures(&report, true).text())?;
     talk.note(format_args!("wrote {} and report.json beside it", folder.join("index.html").display()));
     Ok(())
 }
@@ -72,6 +76,8 @@ struct Clip {
     settings: Settings,
     antialiasing: Antialiasing,
     frame_count: u32,
+    /// For the metric that judges a clip as a whole.
+    keeps_frames: bool,
 }
 
 /// A method on its way through a clip.
@@ -79,6 +85,8 @@ struct Contestant {
     pipeline: Pipeline,
     tally: Tally,
     quality: Quality,
+    /// The last half of the frames as a display shows them, where they are kept.
+    shown: Vec<Image<[u8; 3]>>,
 }
 
 /// A frame as figures see it.
@@ -93,6 +101,10 @@ impl Shown {
         let linear = colour.par_map(|&[r, g, b, _]| [r, g, b]);
         Self { linear, displayed: display_over_black(colour, ToneCurve::default()) }
     }
+
+    fn in_bytes(&self) -> Image<[u8; 3]> {
+        self.displayed.par_map(|pixel| pixel.map(u8_from_unit))
+    }
 }
 
 /// Sums over frames.
@@ -105,6 +117,7 @@ struct Quality {
     bias: f64,
     rms: f64,
     flicker: Flicker<3>,
+    tpsnr: TemporalPsnr<3>,
 }
 
 impl Quality {
@@ -116,6 +129,7 @@ impl Quality {
         self.bias += bias(&reference.linear, &shown.linear)?;
         self.rms += rms(&reference.linear, &shown.linear)?;
         self.flicker.add(&reference.displayed, &shown.displayed)?;
+        self.tpsnr.add(&reference.displayed, &shown.displayed)?;
         Ok(())
     }
 
@@ -134,7 +148,12 @@ impl Clip {
     ) -> anyhow::Result<Vec<Entry>> {
         let contestant = |method: &Method| {
             let pipeline = Pipeline::new(method.clone(), self.antialiasing, self.settings)?;
-            Ok(Contestant { pipeline, tally: Tally::default(), quality: Quality::default() })
+            Ok(Contestant {
+                pipeline,
+                tally: Tally::default(),
+                quality: Quality::default(),
+                shown: Vec::new(),
+            })
         };
         let mut contestants = methods.iter().map(contestant).collect::<anyhow::Result<Vec<_>>>()?;
         let reference_at = methods.iter().position(|method| method.to_string() == REFERENCE);
@@ -152,20 +171,41 @@ impl Clip {
             if index >= self.frame_count / 2 {
                 let reference = Shown::new(&contestants[reference_at].pipeline);
                 for contestant in &mut contestants {
-                    contestant.quality.add(&reference, &Shown::new(&contestant.pipeline))?;
+                    let shown = Shown::new(&contestant.pipeline);
+                    contestant.quality.add(&reference, &shown)?;
+                    if self.keeps_frames {
+                        contestant.shown.push(shown.in_bytes());
+                    }
                 }
             }
         }
         let reference = Shown::new(&contestants[reference_at].pipeline);
-        let entries = contestants
-            .iter()
-            .enumerate()
-            .map(|(at, contestant)| self.entry(contestant, (at != reference_at).then_some(&reference)));
+        let reference_clip = &contestants[reference_at].shown;
+        let entries = contestants.iter().enumerate().map(|(at, contestant)| {
+            let vdp_jod = self
+                .keeps_frames
+                .then(|| video_vdp_jod(reference_clip, &contestant.shown, self.frames_per_sec()));
+            self.entry(contestant, (at != reference_at).then_some(&reference), vdp_jod.transpose()?)
+        });
         entries.collect()
     }
 
-    fn entry(&self, contestant: &Contestant, reference: Option<&Shown>) -> anyhow::Result<Entry> {
-        let Contestant { pipeline, tally, quality } = contestant;
+    /// At which the clip is played.
+    fn frames_per_sec(&self) -> f32 {
+        // Frames that are added up at one moment are shown as fast as those that move.
+        let moment =
+            Clock::new(&Settings { start_secs: 0.0, first_frame: 0, ..self.settings }, Antialiasing::Taa)
+                .at(1);
+        1.0 / (moment.time_secs - moment.previous_secs)
+    }
+
+    fn entry(
+        &self,
+        contestant: &Contestant,
+        reference: Option<&Shown>,
+        vdp_jod: Option<f64>,
+    ) -> anyhow::Result<Entry> {
+        let Contestant { pipeline, tally, quality, .. } = contestant;
         let [width, height] = self.settings.size;
         let pixels = f64::from(width) * f64::from(height);
         let psnr_db = quality.mean(quality.psnr_db);
@@ -177,6 +217,8 @@ impl Clip {
             ms_max: tally.ms(1.0),
             ssim: quality.mean(quality.ssim),
             psnr_db: psnr_db.is_finite().then_some(psnr_db),
+            tpsnr_db: quality.tpsnr.value_db().filter(|tpsnr_db| tpsnr_db.is_finite()),
+            vdp_jod,
             flip: Some(quality.mean(quality.flip)),
             flicker: quality.flicker.value(),
             bias: quality.mean(quality.bias),

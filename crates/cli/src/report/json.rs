@@ -59,6 +59,11 @@ pub(crate) struct ComparisonRow {
     pub(crate) ssim: f64,
     /// Of the displayed image; null where it equals the reference.
     pub(crate) psnr_db: Option<f64>,
+    /// Of the differences of successive displayed frames; null where they equal those of the reference, or for one frame.
+    pub(crate) tpsnr_db: Option<f64>,
+    /// ColorVideoVDP of the displayed clip in just-objectionable differences, 10: no visible one; where it was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) vdp_jod: Option<f64>,
     /// Of the displayed image; 0: equal.
     pub(crate) flip: Option<f64>,
     /// Standard deviation of the displayed error over time.

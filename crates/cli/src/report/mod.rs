@@ -1,8 +1,11 @@
 //! What commands report, one file a format.
 
+pub(crate) mod benchmark;
+pub(crate) mod calibration;
 mod chart;
 pub(crate) mod comparison;
-pub(crate) mod html;
+mod figures;
 pub(crate) mod json;
 pub(crate) mod listing;
+pub(crate) mod page;
 pub(crate) mod table;

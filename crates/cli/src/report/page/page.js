@@ -3,6 +3,7 @@
 // Viewer: two pictures one over the other, cut at the divider; one zoom moves both.
 (() => {
   const byId = (id) => document.getElementById(id);
+  if (!byId("viewer")) return;
   const figures = [...document.querySelectorAll("figure[data-label]")];
   const sides = ["left", "right"].map((name) => ({
     select: byId(name),
@@ -120,9 +121,8 @@
   showView();
 })();
 
-// Table: a heading sorts by its column, again the other way round. Missing figures stay last.
-(() => {
-  const table = document.getElementById("figures");
+// Tables: a heading sorts by its column, again the other way round. Missing figures stay last.
+for (const table of document.querySelectorAll("table.sortable")) {
   const headings = [...table.tHead.rows[0].cells];
   headings.forEach((heading, column) => {
     heading.querySelector("button").addEventListener("click", () => {
@@ -148,4 +148,4 @@
       table.tBodies[0].append(...present, ...missing);
     });
   });
-})();
+}

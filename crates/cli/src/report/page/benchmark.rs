@@ -1,0 +1,68 @@
+//! `sheer bench --html`: what methods cost.
+
+use serde::Serialize;
+
+use super::fill;
+use crate::report::{
+    benchmark::figures,
+    chart::{Axis, Chart, Plot, Series},
+    figures::Figures,
+    json::{Benchmark, Run},
+};
+
+#[derive(Serialize)]
+struct Context<'a> {
+    run: &'a Run,
+    figures: Figures,
+    time: Chart,
+}
+
+/// The page as text.
+pub(crate) fn text(report: &Benchmark) -> anyhow::Result<String> {
+    let lines = report.rows.iter().map(|row| (row.method.as_str(), row.ms.as_slice()));
+    let time = time_chart(report.run.first_frame, lines);
+    fill("benchmark.html", Context { run: &report.run, figures: figures(report), time })
+}
+
+/// Milliseconds of each frame, a line for each method.
+pub(super) fn time_chart<'a>(first_frame: u32, methods: impl Iterator<Item = (&'a str, &'a [f64])>) -> Chart {
+    let points = |ms: &[f64]| -> Vec<[f64; 2]> {
+        (first_frame..).zip(ms).map(|(frame, &ms)| [f64::from(frame), ms]).collect()
+    };
+    let plot = Plot {
+        description: "Milliseconds of each frame, one line for each method".to_owned(),
+        x: Axis::new("frame").of_counts(),
+        y: Axis::new("ms").from_zero(),
+        series: methods.map(|(method, ms)| Series::line(method, points(ms))).collect(),
+    };
+    plot.into()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{
+        super::tests::{assert_sound, run_of},
+        *,
+    };
+    use crate::report::json::BenchmarkRow;
+
+    #[test]
+    fn the_page_needs_nothing_but_itself() {
+        let row = |method: &str| BenchmarkRow {
+            method: method.to_owned(),
+            ms: vec![1.0, 2.5],
+            ms_median: 1.75,
+            ms_min: 1.0,
+            ms_max: 2.5,
+            ms_spread: 0.5,
+            ratio: 1.0,
+            build_ms_median: 0.0,
+            rays: 64.0,
+            shaded: 32.0,
+            mray_per_s: 1.0,
+        };
+        assert_sound(|scene| {
+            text(&Benchmark { run: run_of(scene), rows: vec![row("std"), row("roulette")] }).unwrap()
+        });
+    }
+}
