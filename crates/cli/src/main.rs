@@ -9,6 +9,7 @@ use args::{Arguments, Command};
 use clap::Parser;
 
 mod args;
+mod clip;
 mod command;
 mod failure;
 mod output;
