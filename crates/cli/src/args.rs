@@ -39,6 +39,8 @@ pub(crate) enum Command {
     Bench(BenchArguments),
     /// Measure what a method shows of ten opacities and fit the correction for it.
     Calibrate(CalibrateArguments),
+    /// Make the papers' figures again, measure them and write one report.
+    Experiments(ExperimentsArguments),
     /// Check the papers' numbers and the methods' promises: closed form, printed, measured.
     Verify(VerifyArguments),
 }
@@ -133,6 +135,29 @@ pub(crate) struct CalibrateArguments {
 }
 
 #[derive(Args, Debug)]
+pub(crate) struct ExperimentsArguments {
+    /// Experiments by name; all if none is given.
+    #[arg(value_name = "NAME")]
+    pub(crate) names: Vec<String>,
+    /// List them.
+    #[arg(long)]
+    pub(crate) list: bool,
+    /// Folder for index.html, results.md, experiments.json, pictures and charts.
+    #[arg(short, long, value_name = "DIR", default_value = output::FOLDER)]
+    pub(crate) output: PathBuf,
+    #[arg(long, value_name = "WxH", help = format!("Width and height in pixels [default: {DEFAULT_EXPERIMENT_SIZE}]"))]
+    pub(crate) size: Option<Size>,
+    /// A scene file to take part where methods are compared, with all its materials at an opacity of 0.3; give as many as you like.
+    #[arg(long = "file", value_name = "FILE")]
+    pub(crate) files: Vec<String>,
+    /// Seed of the dithering.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub(crate) seed: u32,
+    #[command(flatten)]
+    pub(crate) machine: MachineArguments,
+}
+
+#[derive(Args, Debug)]
 pub(crate) struct VerifyArguments {
     /// File for the figures, - for stdout in place of the table.
     #[arg(long, value_name = "FILE")]
@@ -203,6 +228,8 @@ pub(crate) const DEFAULT_SIZE: Size = Size([960, 540]);
 /// Of comparisons, which render everything exactly as well: with the default scene, methods and frames, they end within a minute and a half
 /// on two cores of 2023.
 pub(crate) const COMPARE_SIZE: Size = Size([480, 270]);
+/// Of experiments, of which there are many.
+pub(crate) const DEFAULT_EXPERIMENT_SIZE: Size = Size([240, 135]);
 /// Pixels a side; 16k is more than any display has.
 const LONGEST_SIDE_PX: u32 = 16_384;
 

@@ -43,6 +43,7 @@ fn run(command: &Command) -> anyhow::Result<()> {
         Command::Compare(arguments) => command::compare::run(arguments),
         Command::Bench(arguments) => command::bench::run(arguments),
         Command::Calibrate(arguments) => command::calibrate::run(arguments),
+        Command::Experiments(arguments) => command::experiments::run(arguments),
         Command::Verify(arguments) => command::verify::run(arguments),
     }
 }

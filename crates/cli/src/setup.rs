@@ -122,11 +122,28 @@ pub(crate) fn metadata(
         .with("version", VERSION)
 }
 
+/// How figures of many scenes came about.
+pub(crate) fn describe_many(machine: MachineArguments, settings: &Settings) -> Run {
+    let scene = SceneArguments { text: "many".to_owned(), camera: None, alpha: None };
+    describe_scene(&scene, machine, String::new(), rayon::current_num_threads(), settings, 0)
+}
+
 /// How figures came about, for reports.
 pub(crate) fn describe(
     scene: &SceneArguments,
     machine: MachineArguments,
     opened: &Opened,
+    settings: &Settings,
+    frames: u32,
+) -> Run {
+    describe_scene(scene, machine, opened.hash.clone(), opened.stage.threads(), settings, frames)
+}
+
+fn describe_scene(
+    scene: &SceneArguments,
+    machine: MachineArguments,
+    scene_hash: String,
+    threads: usize,
     settings: &Settings,
     frames: u32,
 ) -> Run {
@@ -137,7 +154,7 @@ pub(crate) fn describe(
     };
     Run {
         scene: scene.text.clone(),
-        scene_hash: opened.hash.clone(),
+        scene_hash,
         camera: camera.to_owned(),
         alpha: scene.alpha,
         size: settings.size,
@@ -149,7 +166,7 @@ pub(crate) fn describe(
         seed: settings.seed,
         version: VERSION,
         commit: COMMIT,
-        threads: opened.stage.threads(),
+        threads,
     }
 }
 

@@ -33,6 +33,16 @@ impl Talk {
         }
     }
 
+    /// A count of frames, where no one knows how many there will be; on a terminal only.
+    pub(crate) fn frames(self) -> ProgressBar {
+        let target = if self.quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
+        let style = ProgressStyle::with_template("{msg}{spinner} {pos} frames, {elapsed}");
+        let style = style.expect("the template names known fields");
+        let bar = ProgressBar::with_draw_target(None, target).with_style(style);
+        bar.enable_steady_tick(Duration::from_millis(500));
+        bar
+    }
+
     /// A bar with the time left; on a terminal only.
     pub(crate) fn progress(self, steps: u64) -> ProgressBar {
         // indicatif draws nothing where stderr is not a terminal.

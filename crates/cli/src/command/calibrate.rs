@@ -3,7 +3,7 @@
 use serde::Serialize;
 use sheer_core::coverage::Correction;
 use sheer_image::{Metadata, Planes, ToneCurve, display, encode_png};
-use sheer_render::{Antialiasing, Background, Method, Pipeline};
+use sheer_render::{Antialiasing, Background, Method, Pipeline, Stage};
 
 use crate::{
     args::{CalibrateArguments, DEFAULT_SIZE, SceneArguments},
@@ -18,7 +18,7 @@ use crate::{
 };
 
 /// Columns of the scene `calibration`.
-const LEVELS: usize = 10;
+pub(crate) const LEVELS: usize = 10;
 /// Kept clear around each column and half: jitter and the neighbourhood of anti-aliasing reach across the edges.
 const MARGIN_PX: f64 = 3.0;
 
@@ -45,21 +45,9 @@ pub(crate) fn run(arguments: &CalibrateArguments) -> anyhow::Result<()> {
     let mut pipeline = Pipeline::new(method.clone(), arguments.antialiasing, settings)?;
     let frames = arguments.frames.frames;
     let progress = talk.progress(u64::from(frames));
-    let mut sums = [0.0; LEVELS];
-    for index in 0..frames {
-        stage.advance(pipeline.clock().at(index));
-        pipeline.render(stage, index)?;
-        if index >= frames / 2 {
-            for (sum, area) in sums.iter_mut().zip(areas) {
-                *sum += mean_brightness(pipeline.planes(), area);
-            }
-        }
-        progress.inc(1);
-    }
+    let measured = shown_opacities(stage, &mut pipeline, areas, frames, || progress.inc(1))?;
     progress.finish_and_clear();
 
-    // The last column is opaque white.
-    let measured = sums.map(|sum| sum / sums[LEVELS - 1]);
     let run = setup::describe(&scene, arguments.machine, &opened, &settings, frames);
     let calibration = calibration(run, method, arguments.antialiasing, measured)?;
     if let Some(output) = &html {
@@ -75,8 +63,31 @@ pub(crate) fn run(arguments: &CalibrateArguments) -> anyhow::Result<()> {
     if replaces_table(&file) || replaces_table(&html) { Ok(()) } else { output::print(&calibration.text()) }
 }
 
+/// The ten opacities that a pipeline shows of the scene `calibration`, given the panels' [`areas`]: means over the last half of the frames.
+pub(crate) fn shown_opacities(
+    stage: &mut Stage,
+    pipeline: &mut Pipeline,
+    areas: [[u32; 4]; LEVELS],
+    frames: u32,
+    mut rendered: impl FnMut(),
+) -> anyhow::Result<[f64; LEVELS]> {
+    let mut sums = [0.0; LEVELS];
+    for index in 0..frames {
+        stage.advance(pipeline.clock().at(index));
+        pipeline.render(stage, index)?;
+        if index >= frames / 2 {
+            for (sum, area) in sums.iter_mut().zip(areas) {
+                *sum += mean_brightness(pipeline.planes(), area);
+            }
+        }
+        rendered();
+    }
+    // The last column is opaque white.
+    Ok(sums.map(|sum| sum / sums[LEVELS - 1]))
+}
+
 /// Fits the correction to what was measured.
-fn calibration(
+pub(crate) fn calibration(
     run: Run,
     method: &Method,
     antialiasing: Antialiasing,
@@ -100,7 +111,7 @@ fn calibration(
 }
 
 /// First and end column and row of the inside of each transparent panel, pixels.
-fn areas([width, height]: [u32; 2]) -> anyhow::Result<[[u32; 4]; LEVELS]> {
+pub(crate) fn areas([width, height]: [u32; 2]) -> anyhow::Result<[[u32; 4]; LEVELS]> {
     let (width, height) = (f64::from(width), f64::from(height));
     // The scene's panels fill 16:9, whatever the picture's shape.
     let column_px = height * 16.0 / 9.0 / LEVELS as f64;

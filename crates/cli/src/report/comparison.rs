@@ -2,7 +2,7 @@
 
 use super::{
     figures::{Column, Figures, Name},
-    json::{Comparison, ComparisonRow},
+    json::{Comparison, ComparisonRow, Run},
 };
 
 /// All figures, in the order in which they are shown.
@@ -106,4 +106,10 @@ const NAMES: [Name<ComparisonRow>; 2] = [("method", |row| row.method.clone()), (
 /// The table; the anti-aliasing is named where it is asked for.
 pub(crate) fn figures(report: &Comparison, names_aa: bool) -> Figures {
     Figures::new(if names_aa { &NAMES } else { &NAMES[..1] }, COLUMNS, &report.run, &report.rows)
+}
+
+/// The method and the columns of these titles, for some rows.
+pub(crate) fn selected_figures(run: &Run, rows: &[ComparisonRow], titles: &[&str]) -> Figures {
+    let columns = COLUMNS.iter().filter(|column| titles.contains(&column.title));
+    Figures::new(&NAMES[..1], columns, run, rows)
 }

@@ -23,6 +23,15 @@ pub(crate) struct Column<R> {
 /// A word that says which row it is: its heading and where it comes from.
 pub(crate) type Name<R> = (&'static str, fn(&R) -> String);
 
+/// What stands in a cell of a table that is put together by hand.
+#[derive(Clone, Debug)]
+pub(crate) enum Datum {
+    /// A name.
+    Word(String),
+    /// A figure with so many decimals, or a dash.
+    Number(Option<f64>, usize),
+}
+
 /// Rows under headings; the first column names them.
 #[derive(Debug, Serialize)]
 pub(crate) struct Figures {
@@ -45,11 +54,19 @@ struct Cell {
 
 impl Figures {
     /// The columns that have figures, for all rows.
-    pub(crate) fn new<R>(names: &[Name<R>], columns: &[Column<R>], run: &Run, rows: &[R]) -> Self {
+    pub(crate) fn new<'c, R>(
+        names: &[Name<R>],
+        columns: impl IntoIterator<Item = &'c Column<R>>,
+        run: &Run,
+        rows: &[R],
+    ) -> Self
+    where
+        R: 'c,
+    {
         let is_shown = |column: &&Column<R>| {
             !column.is_optional || rows.iter().any(|row| (column.value)(run, row).is_some())
         };
-        let columns: Vec<&Column<R>> = columns.iter().filter(is_shown).collect();
+        let columns: Vec<&Column<R>> = columns.into_iter().filter(is_shown).collect();
         let named = names.iter().map(|&(title, _)| Heading { title, meaning: "", is_number: false });
         let counted =
             columns.iter().map(|&&Column { title, meaning, .. }| Heading { title, meaning, is_number: true });
@@ -62,6 +79,21 @@ impl Figures {
             named.chain(counted).collect()
         };
         Self { headings: named.chain(counted).collect(), rows: rows.iter().map(cells).collect() }
+    }
+
+    /// Headings with rows of their own; a column is one of figures if its first cell is one.
+    pub(crate) fn of_data(titles: &[&'static str], rows: Vec<Vec<Datum>>) -> Self {
+        let is_number = |at: usize| {
+            rows.first().and_then(|row| row.get(at)).is_some_and(|datum| matches!(datum, Datum::Number(..)))
+        };
+        let headings = titles.iter().enumerate();
+        let headings =
+            headings.map(|(at, &title)| Heading { title, meaning: "", is_number: is_number(at) }).collect();
+        let cell = |datum: Datum| match datum {
+            Datum::Word(text) => Cell { text, value: None },
+            Datum::Number(value, decimals) => Cell { text: number(value, decimals), value },
+        };
+        Self { headings, rows: rows.into_iter().map(|row| row.into_iter().map(cell).collect()).collect() }
     }
 
     /// For the terminal.

@@ -2,9 +2,10 @@
 
 pub(crate) mod benchmark;
 pub(crate) mod calibration;
-mod chart;
+pub(crate) mod chart;
 pub(crate) mod comparison;
-mod figures;
+pub(crate) mod experiments;
+pub(crate) mod figures;
 pub(crate) mod json;
 pub(crate) mod listing;
 pub(crate) mod page;

@@ -8,18 +8,26 @@ use minijinja::{
 };
 use serde::Serialize;
 
+use super::chart::{Chart, Plot};
+
 pub(crate) mod benchmark;
 pub(crate) mod calibration;
 pub(crate) mod comparison;
+pub(crate) mod experiments;
 
 /// What all pages have and what they draw with; then the pages. The ending makes the engine escape everything that is not marked as safe.
-const TEMPLATES: [(&str, &str); 5] = [
+const TEMPLATES: [(&str, &str); 7] = [
     ("base.html", include_str!("base.html")),
     ("parts.html", include_str!("parts.html")),
     ("benchmark.html", include_str!("benchmark.html")),
     ("calibration.html", include_str!("calibration.html")),
     ("comparison.html", include_str!("comparison.html")),
+    ("experiments.html", include_str!("experiments.html")),
+    ("chart.svg.html", include_str!("chart.svg")),
 ];
+
+/// What makes a file of markup an SVG picture.
+const SVG_NAMESPACE: &str = "http://www.w3.org/2000/svg";
 
 /// Fills in one of the templates.
 ///
@@ -31,8 +39,24 @@ fn fill(template: &str, context: impl Serialize) -> anyhow::Result<String> {
         environment.add_template(name, source)?;
     }
     environment.add_global("css", Value::from_safe_string(include_str!("page.css").to_owned()));
+    // Pages are checked for addresses; this one is a name that is never visited.
+    environment.add_global("namespace", SVG_NAMESPACE);
     environment.add_global("js", Value::from_safe_string(include_str!("page.js").to_owned()));
     environment.get_template(template)?.render(Serde(context)).context("cannot fill in the report page")
+}
+
+/// A chart as an SVG file, which Markdown can show: light, whatever the page.
+///
+/// # Errors
+/// If the template is broken, which the tests would have found.
+pub(crate) fn chart_file(plot: Plot) -> anyhow::Result<String> {
+    #[derive(Serialize)]
+    struct Context {
+        chart: Chart,
+        css: &'static str,
+    }
+    let svg = fill("chart.svg.html", Context { chart: plot.into(), css: include_str!("chart.css") })?;
+    Ok(svg.trim_start().to_owned())
 }
 
 /// A picture within the page.

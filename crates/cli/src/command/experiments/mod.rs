@@ -1,0 +1,179 @@
+//! `sheer experiments`: the figures of the papers, made again and measured, in one report.
+//!
+//! An experiment is a row of the table [`EXPERIMENTS`] and a function that returns [`Findings`]: what was claimed and whether it holds, tables,
+//! charts, pictures. Nothing fails where a claim does not hold: that is a finding.
+
+use crate::{
+    args::{DEFAULT_EXPERIMENT_SIZE, ExperimentsArguments},
+    failure::Misuse,
+    output,
+    report::{
+        experiments::{Experiments, Findings, Section},
+        page,
+    },
+    setup,
+};
+
+mod averages;
+mod lab;
+mod quality;
+mod speed;
+
+use lab::Lab;
+
+/// What is made again.
+struct Experiment {
+    id: &'static str,
+    title: &'static str,
+    source: &'static str,
+    /// What is done, and where and why the outcome differs from the paper's.
+    account: &'static str,
+    run: fn(&Lab<'_>) -> anyhow::Result<Findings>,
+}
+
+/// In the order of the report.
+const EXPERIMENTS: &[Experiment] = &[
+    Experiment {
+        id: "fight",
+        title: "A fight full of effects",
+        source: "STD Fig. 1, 8 and 14",
+        account: "Everything moves. Objects are counted as lost that a method hardly ever shows although they ought to be seen.",
+        run: quality::fight,
+    },
+    Experiment {
+        id: "opacities",
+        title: "Ten opacities",
+        source: "STD section 3.2.1, Fig. 2",
+        account: "How bright white of an opacity is over black, against that opacity. The paper corrects for DLSS, whose weights are not \
+                  public; here our own anti-aliasing is measured.",
+        run: averages::opacities,
+    },
+    Experiment {
+        id: "sequences",
+        title: "Why the order of thresholds matters",
+        source: "STD Fig. 4",
+        account: "The exponential average of the tests that one pixel makes: in the order of the serpentine walk, and with the same \
+                  thresholds sorted.",
+        run: averages::sequences,
+    },
+    Experiment {
+        id: "alignment",
+        title: "Motion vectors aligned to the pattern",
+        source: "STD section 3.3.1, Fig. 5",
+        account: "A moving camera under TAA, with motion vectors aligned to multiples of the pattern's side and without.",
+        run: quality::alignment,
+    },
+    Experiment {
+        id: "still-pane",
+        title: "A pane, nothing moves",
+        source: "STD Fig. 6",
+        account: "",
+        run: quality::still_pane,
+    },
+    Experiment {
+        id: "moving-pane",
+        title: "A pane, the camera moves",
+        source: "STD Fig. 7",
+        account: "",
+        run: quality::moving_pane,
+    },
+    Experiment {
+        id: "smoke",
+        title: "Smoke over the square",
+        source: "STD Fig. 9",
+        account: "",
+        run: quality::smoke,
+    },
+    Experiment {
+        id: "time-fight",
+        title: "Time over the fight",
+        source: "STD Fig. 11",
+        account: "",
+        run: speed::fight,
+    },
+    Experiment {
+        id: "time-smoke",
+        title: "Time on the way through the smoke",
+        source: "STD Fig. 12",
+        account: "",
+        run: speed::smoke,
+    },
+    Experiment {
+        id: "hybrid",
+        title: "Between exact and stochastic",
+        source: "STD section 3.4, Fig. 13",
+        account: "",
+        run: speed::hybrid,
+    },
+    Experiment {
+        id: "joint",
+        title: "One threshold for all layers",
+        source: "own; STD section 6, first item",
+        account: "",
+        run: averages::joint,
+    },
+];
+
+pub(crate) fn run(arguments: &ExperimentsArguments) -> anyhow::Result<()> {
+    if arguments.list {
+        let line = |e: &Experiment| format!("{:<14} {} ({})\n", e.id, e.title, e.source);
+        return output::print(&EXPERIMENTS.iter().map(line).collect::<String>());
+    }
+    let chosen = chosen(&arguments.names)?;
+    let talk = arguments.machine.apply()?;
+    let folder = arguments.output.as_path();
+    output::open_folder(folder)?;
+    let lab = Lab {
+        size: arguments.size.unwrap_or(DEFAULT_EXPERIMENT_SIZE).0,
+        seed: arguments.seed,
+        machine: arguments.machine,
+        progress: talk.frames(),
+        files: &arguments.files,
+    };
+    let mut sections = Vec::new();
+    for &Experiment { id, title, source, account, run } in chosen {
+        talk.note(format_args!("{id}: {title}"));
+        sections.push(Section { id, title, source, account, findings: run(&lab)? });
+    }
+    lab.progress.finish_and_clear();
+
+    let run = setup::describe_many(arguments.machine, &lab.settings(0.0));
+    let report = Experiments { run, sections };
+    write(&report, folder)?;
+    output::print(&report.verdicts())?;
+    talk.note(format_args!(
+        "wrote {}, results.md and experiments.json beside it",
+        folder.join("index.html").display()
+    ));
+    Ok(())
+}
+
+/// The experiments of these names, all where none is given.
+fn chosen(names: &[String]) -> anyhow::Result<Vec<&'static Experiment>> {
+    if names.is_empty() {
+        return Ok(EXPERIMENTS.iter().collect());
+    }
+    let find = |name: &String| {
+        EXPERIMENTS.iter().find(|experiment| experiment.id == name).ok_or_else(|| {
+            let known = EXPERIMENTS.iter().map(|experiment| experiment.id).collect::<Vec<_>>().join(", ");
+            Misuse(format!("there is no experiment '{name}'; there are: {known}")).into()
+        })
+    };
+    names.iter().map(find).collect()
+}
+
+/// Writes the pictures and charts, then what refers to them.
+fn write(report: &Experiments, folder: &std::path::Path) -> anyhow::Result<()> {
+    for section in &report.sections {
+        for (at, picture) in section.findings.pictures.iter().enumerate() {
+            output::write_file(&folder.join(section.picture_file(at)), &picture.png)?;
+        }
+        for (at, (_, plot)) in section.findings.plots.iter().enumerate() {
+            let svg = page::chart_file(plot.clone())?;
+            output::write_file(&folder.join(section.chart_file(at)), svg.as_bytes())?;
+        }
+    }
+    output::write_file(&folder.join("experiments.json"), report.json()?.as_bytes())?;
+    output::write_file(&folder.join("results.md"), report.markdown(".").as_bytes())?;
+    output::write_file(&folder.join("index.html"), page::experiments::text(report)?.as_bytes())
+}

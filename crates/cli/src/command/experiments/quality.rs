@@ -1,0 +1,171 @@
+//! The pictures of STD: one fragment a pixel in still and moving scenes.
+
+use std::collections::HashMap;
+
+use sheer_image::Planes;
+use sheer_render::{Antialiasing, Method, Moment, Pipeline};
+
+use super::lab::{Lab, Played, Take, claim, findings_of};
+use crate::report::{
+    experiments::{Claim, Findings},
+    figures::{Datum, Figures},
+};
+
+/// What the paper compares, its appendix included, and ours.
+const METHODS: &[&str] = &["roulette", "std", "dtaa", "dtaa-unique", "stbn", "joint"];
+const COLUMNS: &[&str] = &["SSIM", "PSNR dB", "tPSNR dB", "FLIP", "flicker", "RMS", "bias", "shaded/px"];
+/// Two errors are called equal that differ by less than this share: the seed moves them by as much.
+const EQUAL: f64 = 0.03;
+
+fn take<'a>(scene: &'a str, camera: &'a str, start_secs: f32, frames: u32) -> Take<'a> {
+    Take { scene, alpha: None, camera, start_secs, frames, antialiasing: Antialiasing::Taa, methods: METHODS }
+}
+
+/// What is missing to a perfect SSIM.
+fn error(played: &Played, method: &str) -> f64 {
+    1.0 - played.row(method).ssim
+}
+
+fn is_at_least_as_good(played: &Played, method: &str, other: &str) -> bool {
+    error(played, method) <= error(played, other) * (1.0 + EQUAL)
+}
+
+/// That a method has a higher SSIM than others, one claim each.
+fn better(played: &Played, method: &str, others: &[&str]) -> Vec<Claim> {
+    let against = |other: &&str| {
+        let [own, its] = [method, other].map(|method| played.row(method).ssim);
+        claim(format!("SSIM of {method} {own:.4} > {other} {its:.4}"), own > its)
+    };
+    others.iter().map(against).collect()
+}
+
+/// STD Fig. 6.
+pub(super) fn still_pane(lab: &Lab<'_>) -> anyhow::Result<Findings> {
+    let played = lab.play(&take("pane", "static", 0.0, 48))?;
+    let claims = better(&played, "std", &["roulette", "dtaa", "dtaa-unique", "stbn"]);
+    Ok(Findings {
+        claims,
+        ..findings_of(&played, COLUMNS, &["baseline", "roulette", "std", "dtaa", "stbn", "joint"])
+    })
+}
+
+/// STD Fig. 7.
+pub(super) fn moving_pane(lab: &Lab<'_>) -> anyhow::Result<Findings> {
+    let played = lab.play(&take("pane", "path", 0.0, 32))?;
+    let against = |other: &&str| {
+        let [own, its] = ["std", other].map(|method| played.row(method).ssim);
+        let text = format!("SSIM of std {own:.4} best or equal to {other} {its:.4}");
+        claim(text, is_at_least_as_good(&played, "std", other))
+    };
+    let claims = ["roulette", "dtaa", "dtaa-unique", "stbn"].iter().map(against).collect();
+    Ok(Findings {
+        claims,
+        ..findings_of(&played, COLUMNS, &["baseline", "roulette", "std", "dtaa", "stbn", "joint"])
+    })
+}
+
+/// STD Fig. 5.
+pub(super) fn alignment(lab: &Lab<'_>) -> anyhow::Result<Findings> {
+    let methods = &["std", "std:align=off", "dtaa", "dtaa:align=off"];
+    let mut findings = Findings::default();
+    for (scene, camera) in [("pane", "path"), ("smoke-square", "path")] {
+        let played = lab.play(&Take { methods, ..take(scene, camera, 1.0, 32) })?;
+        for [on, off] in [["std", "std:align=off"], ["dtaa", "dtaa:align=off"]] {
+            let [with, without] = [on, off].map(|method| played.row(method).flicker);
+            let text = format!("{scene}: flicker of {on} {with:.4} aligned < {without:.4} not aligned");
+            findings.claims.push(claim(text, with < without));
+        }
+        let one = findings_of(&played, COLUMNS, &["std:align=off", "std"]);
+        findings.commands.extend(one.commands);
+        findings.tables.push((format!("{scene}, camera {camera}"), played.figures(COLUMNS)));
+        findings.pictures.extend(one.pictures);
+    }
+    Ok(findings)
+}
+
+/// STD Fig. 9.
+pub(super) fn smoke(lab: &Lab<'_>) -> anyhow::Result<Findings> {
+    let played = lab.play(&take("smoke-square", "path", 3.0, 24))?;
+    let mut claims = better(&played, "std", &["dtaa"]);
+    let [std, unique] = ["std", "dtaa-unique"].map(|method| played.row(method).ssim);
+    let text = format!("std {std:.4} and dtaa-unique {unique:.4} are similar: SSIM within 0.03");
+    claims.push(claim(text, (std - unique).abs() < 0.03));
+    let [roulette, joint] = ["roulette", "joint"].map(|method| played.row(method).ssim);
+    claims.push(claim(format!("roulette {roulette:.4} is noisier than std {std:.4}"), roulette < std));
+    claims.push(claim(format!("SSIM of joint {joint:.4} > std {std:.4}"), joint > std));
+    Ok(Findings {
+        claims,
+        ..findings_of(&played, COLUMNS, &["baseline", "roulette", "std", "dtaa-unique", "stbn", "joint"])
+    })
+}
+
+/// When the fight of `arena` is at its height, seconds.
+pub(super) const HEIGHT_OF_FIGHT_SECS: f32 = 6.0;
+
+/// STD Fig. 1, 8 and 14.
+pub(super) fn fight(lab: &Lab<'_>) -> anyhow::Result<Findings> {
+    let played = lab.play(&take("arena", "static", HEIGHT_OF_FIGHT_SECS, 24))?;
+    let (lost, table) = lost_objects(lab)?;
+    let mut claims: Vec<Claim> = ["dtaa-unique", "std", "joint"]
+        .iter()
+        .map(|method| {
+            let [dtaa, own] = [lost["dtaa"], lost[*method]];
+            claim(format!("dtaa loses {dtaa} objects that {method} keeps all but {own} of"), dtaa > own)
+        })
+        .collect();
+    claims.extend(better(&played, "std", &["dtaa", "dtaa-unique", "stbn", "roulette"]));
+    claims.extend(better(&played, "joint", &["std"]));
+    let pictures = &["baseline", "roulette", "std", "dtaa", "dtaa-unique", "stbn", "joint"];
+    let mut findings = findings_of(&played, COLUMNS, pictures);
+    let caption = format!(
+        "Objects at {HEIGHT_OF_FIGHT_SECS} s that ought to be seen and get less than {LOST_SHARE} of their pixels, over {COUNTED_FRAMES} frames"
+    );
+    findings.tables.push((caption, table));
+    Ok(Findings { claims, ..findings })
+}
+
+/// Five cycles of nine, nine cycles of five.
+const COUNTED_FRAMES: u32 = 45;
+/// An object is there if it ought to win so many pixels a frame: its count over all frames then has a deviation of 5 %.
+const LEAST_PIXELS: f64 = 9.0;
+/// It is lost if it gets less than this share of them.
+const LOST_SHARE: f64 = 0.25;
+
+/// Counts the objects of the fight that a method never or hardly ever shows.
+fn lost_objects(lab: &Lab<'_>) -> anyhow::Result<(HashMap<String, usize>, Figures)> {
+    let mut opened = lab.open("arena", "static", None)?;
+    let time_secs = HEIGHT_OF_FIGHT_SECS;
+    opened.stage.advance(Moment { time_secs, previous_secs: time_secs });
+    // Without bias: it says how often each object ought to be seen.
+    let seen = |method: &str, seed: u32, frames: u32| -> anyhow::Result<HashMap<u32, f64>> {
+        let settings = sheer_render::Settings { seed, ..lab.settings(time_secs) };
+        let mut pipeline = Pipeline::new(method.parse::<Method>()?, Antialiasing::None, settings)?;
+        let mut counts: HashMap<u32, f64> = HashMap::new();
+        for index in 0..frames {
+            pipeline.render(&opened.stage, index)?;
+            for &instance in pipeline.planes().instance.as_slice() {
+                if instance != Planes::NO_ID {
+                    *counts.entry(instance).or_default() += 1.0 / f64::from(frames);
+                }
+            }
+            lab.progress.inc(1);
+        }
+        Ok(counts)
+    };
+    let expected = seen("roulette", lab.seed.wrapping_add(1), 2 * COUNTED_FRAMES)?;
+    let there: Vec<_> = expected.iter().filter(|(_, count)| **count >= LEAST_PIXELS).collect();
+    let mut lost = HashMap::new();
+    let mut rows = Vec::new();
+    for method in METHODS {
+        let counts = seen(method, lab.seed, COUNTED_FRAMES)?;
+        let shares = there.iter().map(|(id, wanted)| counts.get(id).copied().unwrap_or(0.0) / **wanted);
+        let lost_count = shares.filter(|share| *share < LOST_SHARE).count();
+        rows.push(vec![
+            Datum::Word((*method).to_owned()),
+            Datum::Number(Some(there.len() as f64), 0),
+            Datum::Number(Some(lost_count as f64), 0),
+        ]);
+        lost.insert((*method).to_owned(), lost_count);
+    }
+    Ok((lost, Figures::of_data(&["method", "objects", "lost"], rows)))
+}

@@ -1,0 +1,162 @@
+//! What `sheer experiments` found: for a page, for programs and as text.
+
+use std::fmt::Write as _;
+
+use serde::Serialize;
+
+use super::{chart::Plot, figures::Figures, json::Run};
+
+/// What an experiment found.
+#[derive(Debug, Default)]
+pub(crate) struct Findings {
+    /// What was to be seen.
+    pub(crate) claims: Vec<Claim>,
+    /// Commands that make the figures again.
+    pub(crate) commands: Vec<String>,
+    /// Captions and tables.
+    pub(crate) tables: Vec<(String, Figures)>,
+    /// Captions and charts.
+    pub(crate) plots: Vec<(String, Plot)>,
+    /// Pictures to be compared.
+    pub(crate) pictures: Vec<Picture>,
+}
+
+/// Something that the paper or we say, and whether the measurement bears it out.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct Claim {
+    pub(crate) text: String,
+    pub(crate) holds: bool,
+}
+
+/// A picture with its name.
+#[derive(Clone, Debug)]
+pub(crate) struct Picture {
+    pub(crate) label: String,
+    pub(crate) png: Vec<u8>,
+}
+
+/// An experiment that was made.
+#[derive(Debug)]
+pub(crate) struct Section {
+    /// For file names and links.
+    pub(crate) id: &'static str,
+    /// What it shows.
+    pub(crate) title: &'static str,
+    /// Paper and figure.
+    pub(crate) source: &'static str,
+    /// What is done, and where and why the outcome differs from the paper's.
+    pub(crate) account: &'static str,
+    pub(crate) findings: Findings,
+}
+
+/// All that were made in a run.
+#[derive(Debug)]
+pub(crate) struct Experiments {
+    pub(crate) run: Run,
+    pub(crate) sections: Vec<Section>,
+}
+
+#[derive(Serialize)]
+struct JsonReport<'a> {
+    #[serde(flatten)]
+    run: &'a Run,
+    experiments: Vec<JsonSection<'a>>,
+}
+
+#[derive(Serialize)]
+struct JsonSection<'a> {
+    id: &'a str,
+    title: &'a str,
+    source: &'a str,
+    claims: &'a [Claim],
+    commands: &'a [String],
+    tables: Vec<JsonTable<'a>>,
+}
+
+#[derive(Serialize)]
+struct JsonTable<'a> {
+    caption: &'a str,
+    #[serde(flatten)]
+    figures: &'a Figures,
+}
+
+impl<'a> JsonSection<'a> {
+    fn new(section: &'a Section) -> Self {
+        let Section { id, title, source, ref findings, .. } = *section;
+        let tables = findings.tables.iter().map(|(caption, figures)| JsonTable { caption, figures });
+        let (claims, commands) = (&findings.claims, &findings.commands);
+        Self { id, title, source, claims, commands, tables: tables.collect() }
+    }
+}
+
+impl Experiments {
+    /// For programs.
+    pub(crate) fn json(&self) -> anyhow::Result<String> {
+        let experiments = self.sections.iter().map(JsonSection::new).collect();
+        super::json::text(&JsonReport { run: &self.run, experiments })
+    }
+
+    /// For the terminal: what held and what did not.
+    pub(crate) fn verdicts(&self) -> String {
+        let mut text = String::new();
+        for section in &self.sections {
+            let _ = writeln!(text, "{} ({})", section.title, section.source);
+            for Claim { text: claim, holds } in &section.findings.claims {
+                let _ = writeln!(text, "  {} {claim}", if *holds { "✓" } else { "✗" });
+            }
+        }
+        text
+    }
+
+    /// As Markdown that refers to pictures and charts by [`Section::picture_file`] and [`Section::chart_file`] in `folder`.
+    pub(crate) fn markdown(&self, folder: &str) -> String {
+        let Run { size: [width, height], threads, adapter, commit, seed, .. } = &self.run;
+        let mut text = format!(
+            "# Results\n\nMade by `sheer experiments` at {width}x{height} on {threads} threads ({adapter}), commit `{commit}`, seed {seed}. \
+             Times are those of this machine and good to compare with one another only. A cross marks what did not come out as the paper, or we, say.\n"
+        );
+        for section in &self.sections {
+            section.write_markdown(&mut text, folder);
+        }
+        text
+    }
+}
+
+impl Section {
+    /// Name of a picture's file.
+    pub(crate) fn picture_file(&self, at: usize) -> String {
+        format!("{}-{}.png", self.id, at + 1)
+    }
+
+    /// Name of a chart's file.
+    pub(crate) fn chart_file(&self, at: usize) -> String {
+        format!("{}-{}.svg", self.id, at + 1)
+    }
+
+    fn write_markdown(&self, text: &mut String, folder: &str) {
+        let Findings { claims, commands, tables, plots, pictures } = &self.findings;
+        let _ = write!(text, "\n## {}\n\n*{}.* {}\n\n", self.title, self.source, self.account);
+        for Claim { text: claim, holds } in claims {
+            let _ = writeln!(text, "* {} {claim}", if *holds { "✓" } else { "✗" });
+        }
+        if !commands.is_empty() {
+            let _ = write!(text, "\n```sh\n{}\n```\n", commands.join("\n"));
+        }
+        for (caption, figures) in tables {
+            let _ = write!(text, "\n{caption}\n\n```text\n{}```\n", figures.text());
+        }
+        for (at, (caption, plot)) in plots.iter().enumerate() {
+            let _ =
+                write!(text, "\n{caption}\n\n![{}]({folder}/{})\n", plot.description, self.chart_file(at));
+        }
+        // Three in a row, each above its name.
+        for (row, shown) in pictures.chunks(3).enumerate() {
+            let files =
+                (0..shown.len()).map(|at| format!("![]({folder}/{})", self.picture_file(3 * row + at)));
+            let names = shown.iter().map(|picture| picture.label.clone());
+            let line = |cells: Vec<String>| format!("| {} |\n", cells.join(" | "));
+            let rule = line(vec!["---".to_owned(); shown.len()]);
+            let _ = write!(text, "\n{}{rule}{}", line(names.collect()), line(files.collect()));
+        }
+    }
+}
