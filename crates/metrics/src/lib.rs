@@ -23,4 +23,4 @@ pub use flicker::{Flicker, flicker};
 pub use flip::{DEFAULT_PIXELS_PER_DEGREE, flip, flip_map};
 pub use ssim::{ssim, ssim_map};
 pub use temporal_psnr::TemporalPsnr;
-pub use video_vdp::video_vdp_jod;
+pub use video_vdp::{LEAST_VDP_SIDE_PX, video_vdp_jod};

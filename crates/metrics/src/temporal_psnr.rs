@@ -103,9 +103,9 @@ mod tests {
         // Uniform over 0.2.
         let expected = -10.0 * (2.0 * 0.04 / 12.0_f64).log10();
         let found = tpsnr_db(&still, &noisy).unwrap();
-        // 64 pairs of 144 independent pixels. A squared change, triangular over ±0.2, has the relative variance 7/5; neighbouring pairs
-        // share a frame, which adds at most as much again: the mean is within 0.6 % · 4, or 0.1 dB.
-        assert!((found - expected).abs() < 0.11, "{found} instead of {expected}");
+        // 64 pairs of 144 independent pixels. A squared change has the relative variance 7/5, to which the correlation of 1/7 with either
+        // neighbour adds its share: the mean has a relative deviation of 1.4 %. Four of these are 0.24 dB; forgetting the factor 2 is 3 dB.
+        assert!((found - expected).abs() < 0.24, "{found} instead of {expected}");
     }
 
     #[test]

@@ -10,12 +10,15 @@ use crate::error::check_sizes;
 /// The display and its viewer: the authors' default, a 30 inch 4K monitor of 200 cd/m² in an office, at twice its height.
 const DISPLAY: &str = "standard_4k";
 
+/// Pictures with a shorter side have no quality.
+pub const LEAST_VDP_SIDE_PX: u32 = 4;
+
 /// Quality of a clip as a display shows it (opaque sRGB) against its reference, in just-objectionable differences (Mantiuk et al. 2024): 10 if no
 /// difference is seen; at 9 three in four viewers prefer the reference. A clip of one frame is judged as a still picture.
 ///
 /// # Errors
 /// [`MetricError::FramesDiffer`] for lists that are empty or differ in length, [`MetricError::SizesDiffer`],
-/// [`MetricError::Vdp`] for pictures of less than 4 pixels a side and if memory does not suffice.
+/// [`MetricError::Vdp`] for pictures of less than [`LEAST_VDP_SIDE_PX`] and if memory does not suffice.
 pub fn video_vdp_jod(
     references: &[Image<[u8; 3]>],
     images: &[Image<[u8; 3]>],
@@ -105,7 +108,8 @@ mod tests {
 
     #[test]
     fn clips_that_do_not_fit_are_refused() {
-        let (clean, tiny) = (clip(3, 0.0), vec![Image::filled(3, 3, [0; 3]).unwrap()]);
+        let square = |side| vec![Image::filled(side, side, [0; 3]).unwrap()];
+        let (clean, tiny) = (clip(3, 0.0), square(LEAST_VDP_SIDE_PX - 1));
         let refused =
             |references: &[_], images: &[_]| video_vdp_jod(references, images, FRAMES_PER_SEC).unwrap_err();
         assert!(matches!(
@@ -115,5 +119,7 @@ mod tests {
         assert!(matches!(refused(&[], &[]), MetricError::FramesDiffer { .. }));
         assert!(matches!(refused(&clean[..1], &tiny), MetricError::SizesDiffer { .. }));
         assert!(matches!(refused(&tiny, &tiny), MetricError::Vdp(_)));
+        let small = square(LEAST_VDP_SIDE_PX);
+        assert_eq!(video_vdp_jod(&small, &small, FRAMES_PER_SEC).unwrap(), 10.0);
     }
 }

@@ -1,8 +1,11 @@
 //! `sheer compare`: methods side by side with the exact answer.
 
+use sheer_metrics::LEAST_VDP_SIDE_PX;
+
 use crate::{
     args::{COMPARE_SIZE, CompareArguments},
     clip::{Clip, ERROR_FULL_SCALE, REFERENCE, with_reference},
+    failure::Misuse,
     output,
     report::{
         comparison::figures,
@@ -17,6 +20,11 @@ pub(crate) fn run(arguments: &CompareArguments) -> anyhow::Result<()> {
     let folder = arguments.output.as_path();
     output::open_folder(folder)?;
     let settings = arguments.frames.settings(COMPARE_SIZE);
+    if arguments.vdp && settings.size.into_iter().any(|side| side < LEAST_VDP_SIDE_PX) {
+        let problem =
+            format!("--vdp judges pictures from {LEAST_VDP_SIDE_PX} pixels a side up; try a larger --size");
+        return Err(Misuse(problem).into());
+    }
     let frame_count = arguments.frames.frames;
     let methods = with_reference(without_repeats(&arguments.methods))?;
     let antialiasings = without_repeats(&arguments.antialiasings);

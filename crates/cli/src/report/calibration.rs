@@ -64,8 +64,12 @@ impl Calibration {
 
     /// The correction as a formula.
     pub(crate) fn formula(&self) -> String {
-        let [c0, c1, c2, c3] = self.correction.coefficients();
-        format!("{c0:.4} + {c1:.4} a + {c2:.4} a^2 + {c3:.4} a^3")
+        let [constant, rest @ ..] = self.correction.coefficients();
+        let terms = rest.into_iter().zip(["a", "a^2", "a^3"]).map(|(coefficient, power)| {
+            let sign = if coefficient < 0.0 { '-' } else { '+' };
+            format!(" {sign} {:.4} {power}", coefficient.abs())
+        });
+        format!("{constant:.4}{}", terms.collect::<String>())
     }
 
     /// Root mean square distance of the cubic from the points it was fitted to.

@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::table::number;
 
 /// Width of a character of a name, in the units of the drawings, in which text is 12 high: generous, as fonts differ.
-const CHARACTER: f64 = 7.0;
+const CHARACTER: f64 = 7.5;
 /// Names closer than this to one another would overlap.
 const LINE_HEIGHT: f64 = 16.0;
 /// Around the plot: left for the numbers, above for the title of the vertical axis, below for the numbers and title of the other.
@@ -52,7 +52,7 @@ impl Axis {
     }
 
     /// Shows the zero, whatever the values.
-    pub(crate) fn from_zero(self) -> Self {
+    pub(crate) fn with_zero(self) -> Self {
         Self { begins_at_zero: true, ..self }
     }
 
@@ -173,7 +173,7 @@ impl From<Plot> for Chart {
         let named = plot.series.iter().enumerate().filter(|(_, series)| series.mark != Mark::Dots);
         Self {
             wide: Drawing::new(&plot, Layout { size: [960.0, 320.0], names_lines: true, most_ticks: 8.0 }),
-            narrow: Drawing::new(&plot, Layout { size: [360.0, 280.0], names_lines: false, most_ticks: 4.0 }),
+            narrow: Drawing::new(&plot, Layout { size: [360.0, 280.0], names_lines: false, most_ticks: 5.0 }),
             legend: named
                 .map(|(at, series)| Key { name: series.name.clone(), style: style(at, series) })
                 .collect(),
@@ -221,7 +221,7 @@ impl Drawing {
         let is_tight = plot.series.iter().all(|series| series.mark != Mark::Dots);
         let x =
             Scale::new(&plot.x, points().map(|[x, _]| x), layout.most_ticks, is_tight, [area[0], area[2]]);
-        let y = Scale::new(&plot.y, points().map(|[_, y]| y), 5.0, false, [area[3], area[1]]);
+        let y = Scale::new(&plot.y, points().map(|[_, y]| y), 6.0, false, [area[3], area[1]]);
         let mut series: Vec<Drawn> = plot
             .series
             .iter()
@@ -265,7 +265,7 @@ impl Scale {
             .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| [low.min(value), high.max(value)]);
         let [low, high] = if ends[0] <= ends[1] { ends } else { [1.0, 1.0] };
         if axis.is_logarithmic {
-            Self::logarithmic([low, high], most_ticks, places)
+            Self::logarithmic([low, high], most_ticks, is_tight, places)
         } else {
             let low = if axis.begins_at_zero { low.min(0.0) } else { low };
             let least_step = if axis.counts { 1.0 } else { 0.0 };
@@ -295,23 +295,35 @@ impl Scale {
         Self { is_logarithmic: false, values, places, ticks, decimals }
     }
 
-    /// Ticks at 1, 2 and 5 times powers of ten, or at powers of ten or a hundred if these are too many.
-    fn logarithmic([low, high]: [f64; 2], most_ticks: f64, places: [f64; 2]) -> Self {
-        let powers = (low.log10().floor() as i32, high.log10().floor() as i32 + 1);
-        let choices: [(&[f64], usize); 4] = [(&[1.0, 2.0, 5.0], 1), (&[1.0], 1), (&[1.0], 2), (&[1.0], 5)];
-        let ticks = choices.map(|(factors, every)| {
-            let all = (powers.0..powers.1 + every as i32).step_by(every);
-            let all = all.flat_map(|power| factors.iter().map(move |factor| factor * 10_f64.powi(power)));
-            let all: Vec<f64> = all.collect();
-            // From the last at or below the values to the first at or above.
-            let first = all.iter().rposition(|&tick| tick <= low * (1.0 + 1e-9)).unwrap_or(0);
-            let last = all.iter().position(|&tick| tick >= high * (1.0 - 1e-9)).unwrap_or(all.len() - 1);
-            all[first..=last.max((first + 1).min(all.len() - 1))].to_vec()
+    /// Ticks at 1, 2 and 5 times powers of ten, or at powers of ten or a hundred if these are too many; at equal steps within one power.
+    fn logarithmic([low, high]: [f64; 2], most_ticks: f64, is_tight: bool, places: [f64; 2]) -> Self {
+        /// Share of the axis that stays clear at either end, and the least ratio of its ends.
+        const CLEAR: f64 = 0.1;
+        const LEAST_RATIO: f64 = 1.2;
+        /// Below this ratio, powers of ten are too far apart.
+        const CLOSE: f64 = 5.0;
+
+        let widening = (LEAST_RATIO * low / high).max(1.0).sqrt();
+        let clear = if is_tight { 1.0 } else { (high / low * widening * widening).powf(CLEAR) };
+        let [low, high] = [low / widening / clear, high * widening * clear];
+        let ends = [low, high].map(f64::log10);
+        let is_inside = |tick: &f64| (low * (1.0 - 1e-9)..=high * (1.0 + 1e-9)).contains(tick);
+        if high / low < CLOSE {
+            let step = round_step((high - low) / (most_ticks - 1.0));
+            let ticks = (0..=(high / step) as u32).map(|count| f64::from(count) * step).filter(is_inside);
+            return Self { is_logarithmic: true, values: ends, places, ticks: ticks.collect(), decimals: 0 };
+        }
+        let powers = (ends[0].floor() as i32, ends[1].ceil() as i32);
+        let choices: [(&[f64], usize); 5] =
+            [(&[1.0, 2.0, 5.0], 1), (&[1.0], 1), (&[1.0], 2), (&[1.0], 5), (&[1.0], 20)];
+        let choices = choices.map(|(factors, every)| {
+            let powers = (powers.0..=powers.1).filter(|power| power.rem_euclid(every as i32) == 0);
+            let ticks =
+                powers.flat_map(|power| factors.iter().map(move |factor| factor * 10_f64.powi(power)));
+            ticks.filter(is_inside).collect::<Vec<f64>>()
         });
-        let few = ticks.iter().position(|ticks| ticks.len() as f64 <= most_ticks);
-        let [.., sparse] = &ticks;
-        let ticks = few.map_or(sparse, |at| &ticks[at]).clone();
-        let ends = [ticks[0].min(low), ticks[ticks.len() - 1].max(high)].map(f64::log10);
+        let is_few = |ticks: &&Vec<f64>| ticks.len() as f64 <= most_ticks;
+        let ticks = choices.iter().find(is_few).unwrap_or(&choices[choices.len() - 1]).clone();
         Self { is_logarithmic: true, values: ends, places, ticks, decimals: 0 }
     }
 
@@ -380,7 +392,7 @@ fn bands(series: &Series, plot: &Plot, x: &Scale, y: &Scale) -> Vec<String> {
 
 /// Dots themselves, or the end of a line.
 fn dots(series: &Series, plot: &Plot, x: &Scale, y: &Scale) -> Vec<Dot> {
-    let shown = series.points.iter().filter(|point| plot.x.has(point[0]) && plot.y.has(point[1]));
+    let mut shown = series.points.iter().filter(|point| plot.x.has(point[0]) && plot.y.has(point[1]));
     let dot = |point: &[f64; 2]| {
         let [x_text, y_text] = [point[0], point[1]].map(significant);
         let title = format!("{}: {x_text} {}, {y_text} {}", series.name, plot.x.title, plot.y.title);
@@ -389,7 +401,7 @@ fn dots(series: &Series, plot: &Plot, x: &Scale, y: &Scale) -> Vec<Dot> {
     match series.mark {
         Mark::Dots => shown.map(dot).collect(),
         Mark::Line if series.marks_points => shown.map(dot).collect(),
-        Mark::Line => shown.last().map(dot).into_iter().collect(),
+        Mark::Line => shown.next_back().map(dot).into_iter().collect(),
         Mark::Guide => Vec::new(),
     }
 }
@@ -407,11 +419,12 @@ fn name_lines(series: &[Series], drawn: &mut [Drawn], y: &Scale, area: [f64; 4])
         .enumerate()
         .filter(|(at, series)| series.mark != Mark::Dots && !drawn[*at].lines.is_empty())
         .map(|(at, series)| {
-            let values = series.points.iter().map(|point| y.place(point[1]));
-            (at, values.filter(|place| place.is_finite()).next_back().unwrap_or(area[3]))
+            let mut places = series.points.iter().map(|point| y.place(point[1]));
+            (at, places.rfind(|place| place.is_finite()).unwrap_or(area[3]))
         })
         .collect();
-    ends.sort_by(|a, b| b.1.total_cmp(&a.1));
+    // From the lowest; of equals the first is above.
+    ends.sort_by(|a, b| b.1.total_cmp(&a.1).then(b.0.cmp(&a.0)));
     let mut limit = area[3];
     for (_, place) in &mut ends {
         *place = place.min(limit);
@@ -501,7 +514,7 @@ mod tests {
         let zoomed = chart(Axis::new("frame").of_counts(), Axis::new("SSIM"), line());
         assert_eq!(labels(&zoomed.wide.y_ticks), ["0.92", "0.94", "0.96", "0.98", "1.00"]);
         assert_eq!(labels(&zoomed.wide.x_ticks), ["0", "2", "4", "6", "8"]);
-        let whole = chart(Axis::new("frame"), Axis::new("SSIM").from_zero(), line());
+        let whole = chart(Axis::new("frame"), Axis::new("SSIM").with_zero(), line());
         assert_eq!(labels(&whole.wide.y_ticks).first(), Some(&"0.0"));
         let ys: Vec<f64> = zoomed.wide.y_ticks.iter().map(|tick| tick.at).collect();
         assert!(ys.is_sorted_by(|a, b| a > b), "upwards is not more: {ys:?}");
@@ -509,22 +522,29 @@ mod tests {
 
     #[test]
     fn a_logarithmic_axis_gives_equal_ratios_equal_space() {
-        let dots = vec![Series::dots("a", [[10.0, 1.0], [1000.0, 1.0], [0.0, 1.0]])];
-        let drawing = chart(Axis::new("ms").logarithmic(), Axis::new("SSIM"), dots).wide;
-        assert_eq!(labels(&drawing.x_ticks), ["10", "20", "50", "100", "200", "500", "1000"]);
-        let at: Vec<f64> = drawing.x_ticks.iter().map(|tick| tick.at).collect();
+        let drawing = |points: &[[f64; 2]]| {
+            let dots = vec![Series::dots("a", points.iter().copied())];
+            chart(Axis::new("ms").logarithmic(), Axis::new("SSIM"), dots).wide
+        };
+        let wide = drawing(&[[10.0, 1.0], [1000.0, 1.0], [0.0, 1.0]]);
+        assert_eq!(labels(&wide.x_ticks), ["10", "20", "50", "100", "200", "500", "1000"]);
+        let at: Vec<f64> = wide.x_ticks.iter().map(|tick| tick.at).collect();
         assert!(((at[3] - at[0]) - (at[6] - at[3])).abs() < 1e-9);
-        assert_eq!(drawing.series[0].dots.len(), 2, "0 has a place");
-        let dots = vec![Series::dots("a", [[0.003, 1.0], [4e7, 1.0]])];
-        let drawing = chart(Axis::new("ms").logarithmic(), Axis::new("SSIM"), dots).wide;
-        assert_eq!(labels(&drawing.x_ticks), ["0.001", "0.1", "10", "1000", "100000", "1e7", "1e9"]);
+        assert!(at[0] > wide.plot[0] && at[6] < wide.plot[2], "a dot touches the end");
+        assert_eq!(wide.series[0].dots.len(), 2, "0 has a place");
+        let wider = drawing(&[[0.003, 1.0], [4e7, 1.0]]);
+        assert_eq!(labels(&wider.x_ticks), ["0.01", "1", "100", "10000", "1e6", "1e8"]);
+        // Within a power of ten.
+        let close = drawing(&[[165.0, 1.0], [190.0, 1.0]]);
+        assert_eq!(labels(&close.x_ticks), ["160", "170", "180", "190"]);
+        assert!(labels(&drawing(&[[170.0, 1.0]]).x_ticks).len() >= 2);
     }
 
     #[test]
     fn names_of_close_lines_do_not_overlap() {
         let names: Vec<String> = (0..30).map(|at| format!("method {at}")).collect();
         let series = names.iter().map(|name| Series::line(name, [[0.0, 5.0], [1.0, 1.0]])).collect();
-        let drawing = chart(Axis::new("frame"), Axis::new("ms").from_zero(), series).wide;
+        let drawing = chart(Axis::new("frame"), Axis::new("ms").with_zero(), series).wide;
         let labels = drawing.series.iter().map(|series| series.label.as_ref().unwrap().at[1]);
         let mut ys: Vec<f64> = labels.collect();
         ys.sort_by(f64::total_cmp);
@@ -577,7 +597,7 @@ mod tests {
         for points in [vec![], vec![[7.0, 3.0]], vec![[7.0, 0.0]], vec![[f64::NAN, f64::INFINITY]]] {
             for x in [Axis::new("x"), Axis::new("x").of_counts(), Axis::new("x").logarithmic()] {
                 let series = vec![Series::line("a", points.clone()), Series::dots("b", points.clone())];
-                let chart = chart(x, Axis::new("y").from_zero(), series);
+                let chart = chart(x, Axis::new("y").with_zero(), series);
                 for drawing in [&chart.wide, &chart.narrow] {
                     let ticks = drawing.x_ticks.iter().chain(&drawing.y_ticks);
                     assert!(ticks.clone().count() >= 2 && ticks.clone().all(|tick| tick.at.is_finite()));

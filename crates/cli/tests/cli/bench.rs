@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use crate::run::{assert_numbers, json, succeed};
+use crate::run::{assert_numbers, json, names_in, sheer, succeed};
 
 #[test]
 fn a_report_has_the_names_and_types_of_its_contract() {
@@ -30,4 +30,20 @@ fn a_report_has_the_names_and_types_of_its_contract() {
 
     let stdout = succeed(folder.path(), &format!("{arguments} --json -")).stdout;
     assert!(json(&stdout)["rows"].is_array(), "the table is mixed with the figures");
+}
+
+#[test]
+fn a_page_and_figures_are_written_side_by_side() {
+    let folder = tempfile::tempdir().unwrap();
+    let arguments = "bench layers -m baseline -m std --size 32x18 --frames 3 --json a.json --html a.html";
+    let stdout = succeed(folder.path(), arguments).stdout;
+    assert_eq!(names_in(folder.path()), ["a.html", "a.json"]);
+    let page = fs::read_to_string(folder.path().join("a.html")).unwrap().replace("&#x2f;", "/");
+    // The figures of the table, in the same words.
+    let cells = stdout.lines().flat_map(str::split_whitespace);
+    assert!(cells.clone().count() > 20);
+    cells.for_each(|cell| assert!(page.contains(cell), "{cell}"));
+    let outcome = sheer(folder.path(), "bench layers --size 32x18 --frames 1 --html missing/a.html");
+    assert_eq!(outcome.code, Some(1), "{outcome:?}");
+    assert!(outcome.stderr.contains("missing"), "{outcome:?}");
 }

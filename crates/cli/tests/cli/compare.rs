@@ -4,7 +4,7 @@ use std::fs;
 
 use sheer_image::read_png;
 
-use crate::run::{assert_numbers, json, names_in, succeed};
+use crate::run::{assert_numbers, json, names_in, sheer, succeed};
 
 #[test]
 fn a_report_has_the_names_and_types_of_its_contract() {
@@ -32,6 +32,9 @@ fn a_report_has_the_names_and_types_of_its_contract() {
         assert_numbers(row, &["flip", "shaded_per_pixel", "hits_per_pixel"]);
         let is_reference = row["method"] == "baseline";
         assert_eq!(row["psnr_db"].is_null(), is_reference, "{row}");
+        // The others dither each frame differently.
+        assert_eq!(row["tpsnr_db"].is_null(), is_reference, "{row}");
+        assert!(row.get("vdp_jod").is_none(), "{row}");
         assert_eq!(row["ssim"] == 1.0, is_reference, "{row}");
         assert_eq!(row["shaded_per_pixel"].as_f64().unwrap() <= 1.0, !is_reference, "{row}");
     }
@@ -59,4 +62,30 @@ fn the_folder_holds_page_report_and_pictures_and_nothing_else() {
     assert_eq!(page.matches("src=\"data:image/png;base64,").count(), 3);
     assert!(page.contains("std:hash=mcguire") && !page.contains("https:"));
     assert_eq!(names_in(folder.path()), ["sheer-out"]);
+}
+
+#[test]
+fn clips_are_judged_as_a_whole_where_it_is_asked_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let arguments = "compare layers -m std -m dtaa --size 64x36 --frames 6 --vdp -o out";
+    let stdout = succeed(folder.path(), arguments).stdout;
+    let report = json(&fs::read_to_string(folder.path().join("out/report.json")).unwrap());
+    let rows = report["rows"].as_array().unwrap();
+    let jods: Vec<f64> = rows.iter().map(|row| row["vdp_jod"].as_f64().unwrap()).collect();
+    assert_eq!(jods[0], 10.0, "the exact clip differs from itself");
+    // Layers with the same threshold hide one another.
+    assert!(jods[1] < 10.0 && jods[2] < jods[1], "{jods:?}");
+    assert!(stdout.lines().next().unwrap().contains("VDP JOD"));
+
+    let outcome = sheer(folder.path(), "compare layers --size 64x3 --vdp -o small");
+    assert_eq!(outcome.code, Some(2), "{outcome:?}");
+    assert!(outcome.stderr.contains("4 pixels"), "{outcome:?}");
+}
+
+#[test]
+fn a_single_frame_has_no_change() {
+    let folder = tempfile::tempdir().unwrap();
+    succeed(folder.path(), "compare layers -m std --size 32x18 --frames 1 -o out");
+    let report = json(&fs::read_to_string(folder.path().join("out/report.json")).unwrap());
+    assert!(report["rows"].as_array().unwrap().iter().all(|row| row["tpsnr_db"].is_null()));
 }

@@ -32,7 +32,7 @@ pub(super) fn time_chart<'a>(first_frame: u32, methods: impl Iterator<Item = (&'
     let plot = Plot {
         description: "Milliseconds of each frame, one line for each method".to_owned(),
         x: Axis::new("frame").of_counts(),
-        y: Axis::new("ms").from_zero(),
+        y: Axis::new("ms").with_zero(),
         series: methods.map(|(method, ms)| Series::line(method, points(ms))).collect(),
     };
     plot.into()

@@ -47,8 +47,8 @@ fn chart(calibration: &Calibration) -> Chart {
     let measured = |level: &Level| [level.wanted, level.measured];
     let plot = Plot {
         description: "Opacity measured and coverage to feed over the opacity that is wanted".to_owned(),
-        x: Axis::new("opacity wanted").from_zero(),
-        y: Axis::new("opacity").from_zero(),
+        x: Axis::new("opacity wanted").with_zero(),
+        y: Axis::new("opacity").with_zero(),
         series: vec![
             Series::guide("wanted", [[0.0, 0.0], [1.0, 1.0]]),
             Series::line("measured", calibration.levels.iter().map(measured)).with_dots(),
