@@ -1,6 +1,6 @@
 //! `sheer bench`: what methods cost.
 
-use sheer_render::{Antialiasing, Clock, Pipeline};
+use sheer_render::{Antialiasing, Clock, Method, Pipeline};
 
 use crate::{
     args::{BenchArguments, DEFAULT_SIZE},
@@ -48,21 +48,7 @@ pub(crate) fn run(arguments: &BenchArguments) -> anyhow::Result<()> {
     }
     progress.finish_and_clear();
 
-    let rows: Vec<BenchmarkRow> = (methods.iter().zip(&tallies))
-        .map(|(method, tally)| BenchmarkRow {
-            method: method.to_string(),
-            ms: tally.frame_ms(),
-            ms_median: tally.ms(0.5),
-            ms_min: tally.ms(0.0),
-            ms_max: tally.ms(1.0),
-            ms_spread: tally.ms(0.75) - tally.ms(0.25),
-            ratio: tally.ms(0.5) / tallies[0].ms(0.5),
-            build_ms_median: tally.build_ms(),
-            rays: tally.rays(),
-            shaded: tally.shaded(),
-            mray_per_s: tally.mray_per_s(),
-        })
-        .collect();
+    let rows = methods.iter().zip(&tallies).map(|(method, tally)| row(method, tally, &tallies[0])).collect();
     let run = setup::describe(&arguments.scene, arguments.machine, &opened, &settings, frame_count);
     let report = Benchmark { run, rows };
     if let Some(output) = &html {
@@ -76,5 +62,21 @@ pub(crate) fn run(arguments: &BenchArguments) -> anyhow::Result<()> {
         Ok(())
     } else {
         output::print(&figures(&report).text())
+    }
+}
+
+fn row(method: &Method, tally: &Tally, first: &Tally) -> BenchmarkRow {
+    BenchmarkRow {
+        method: method.to_string(),
+        ms: tally.frame_ms(),
+        ms_median: tally.ms(0.5),
+        ms_min: tally.ms(0.0),
+        ms_max: tally.ms(1.0),
+        ms_spread: tally.ms(0.75) - tally.ms(0.25),
+        ratio: tally.ms(0.5) / first.ms(0.5),
+        build_ms_median: tally.build_ms(),
+        rays: tally.rays(),
+        shaded: tally.shaded(),
+        mray_per_s: tally.mray_per_s(),
     }
 }
