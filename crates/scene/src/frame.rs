@@ -99,7 +99,9 @@ pub struct Surface {
 const OPAQUE: u32 = 1 << 31;
 const SINGLE_SIDED: u32 = 1 << 30;
 const MIRRORED: u32 = 1 << 29;
-const SLOT: u32 = MIRRORED - 1;
+/// Its material transmits light in its colour.
+const TINTED: u32 = 1 << 28;
+const SLOT: u32 = TINTED - 1;
 const NO_TEXTURE: u32 = u32::MAX;
 
 /// What the any-hit test reads, gathered a triangle: 48 bytes instead of a walk through object, mesh and material.
@@ -239,6 +241,32 @@ impl Frame {
             1.0
         } else {
             self.table_opacity(slot, u, v)
+        }
+    }
+
+    /// Whether the light that passes a surface somewhere takes its colour.
+    #[must_use]
+    pub fn tints_light(&self) -> bool {
+        self.scene.parts().materials.iter().any(|material| material.transmission > 0.0)
+    }
+
+    /// Share of the light, red, green and blue, that passes a point of a triangle whose opacity there is `alpha`.
+    ///
+    /// `1 - coverage · (1 - tint)` (McGuire and Enderton 2011, section 2), where the tint is the material's transmission times its base
+    /// colour, and the coverage is the opacity before the transmission was taken out of it. Where that would be more than the whole, the
+    /// transmission is less than the material's (a texture lowers it): all light that passes has the base colour.
+    #[must_use]
+    pub fn light_through(&self, triangle: u32, u: f32, v: f32, alpha: f32) -> Vec3 {
+        if self.opacity_slot[triangle as usize] & TINTED == 0 {
+            return Vec3::splat(1.0 - alpha);
+        }
+        let transmission = self.scene.parts().materials[self.object(triangle).material as usize].transmission;
+        let base_colour = self.surface(triangle, u, v, true).base_colour.clamp(Vec3::ZERO, Vec3::ONE);
+        let coverage = alpha / (1.0 - transmission);
+        if coverage <= 1.0 {
+            1.0 - coverage * (1.0 - transmission * base_colour)
+        } else {
+            (1.0 - alpha) * base_colour
         }
     }
 

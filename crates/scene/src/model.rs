@@ -210,6 +210,9 @@ pub struct Material {
     pub alpha_mode: AlphaMode,
     /// Multiplies the opacity after the alpha mode has had its say; 1 unless overridden for the whole scene.
     pub opacity: f32,
+    /// Share of the light that meets the surface and shines through it in its base colour, below 1; the opacity is what is left when that
+    /// share is taken out. It colours shadows ([`crate::Frame::light_through`]); 0 casts a grey shadow of what the opacity leaves.
+    pub transmission: f32,
     /// 0 dielectric, 1 metal.
     pub metallic: f32,
     /// Perceptual roughness, 0 to 1.
@@ -241,6 +244,7 @@ impl Default for Material {
             base_colour_texture: None,
             alpha_mode: AlphaMode::Opaque,
             opacity: 1.0,
+            transmission: 0.0,
             metallic: 0.0,
             roughness: 1.0,
             metallic_roughness_texture: None,

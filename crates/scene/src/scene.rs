@@ -233,6 +233,7 @@ fn validate_materials(parts: &SceneParts) -> Result<(), Fault> {
         check(finite, place, "a factor is not finite")?;
         let ranged = [material.opacity, material.metallic, material.roughness, material.base_colour.w];
         check(ranged.iter().all(|value| (0.0..=1.0).contains(value)), place, "a factor is not in [0, 1]")?;
+        check((0.0..1.0).contains(&material.transmission), place, "its transmission is not in [0, 1)")?;
     }
     Ok(())
 }

@@ -258,3 +258,33 @@ fn scenes_with_a_fault_are_refused_with_its_place() {
     assert!(fault(&|parts| parts.exposure = 0.0).contains("exposure"));
     assert!(Scene::new(particles()).is_ok(), "and without a fault it is taken");
 }
+
+#[test]
+fn light_takes_the_colour_of_what_it_shines_through() {
+    let colour = Vec3::new(1.0, 0.5, 0.0);
+    let through = |alpha: f32, transmission: f32, whole: Option<f32>| {
+        let material = Material {
+            alpha_mode: AlphaMode::Blend,
+            base_colour: colour.extend(alpha),
+            transmission,
+            ..Material::default()
+        };
+        let scene = Scene::new(parts_with(quad(), material, Transform::IDENTITY)).unwrap();
+        let scene = Arc::new(whole.map_or(scene.clone(), |alpha| scene.with_alpha(alpha)));
+        let camera = scene.camera(&CameraChoice::Default).unwrap();
+        let animator = Animator::new(scene, camera);
+        let frame = animator.frame();
+        assert_eq!(frame.tints_light(), transmission > 0.0);
+        let found = frame.light_through(0, 0.3, 0.3, frame.opacity(0, 0.3, 0.3));
+        found.to_array().map(|channel| (channel * 1e4).round() / 1e4)
+    };
+    // No transmission: grey. Glass all over the surface: its transmission times its colour. Glass over half of it: the other half is white.
+    assert_eq!(through(0.3, 0.0, None), [0.7, 0.7, 0.7]);
+    assert_eq!(through(0.2, 0.8, None), [0.8, 0.4, 0.0]);
+    assert_eq!(through(0.1, 0.8, None), [0.9, 0.7, 0.5]);
+    // A texel that transmits less than the material: what passes has the colour. The ends are clear and black.
+    assert_eq!(through(0.6, 0.8, None), [0.4, 0.2, 0.0]);
+    assert_eq!(through(0.0, 0.8, None), [1.0, 1.0, 1.0]);
+    assert_eq!(through(1.0, 0.8, None), [0.0, 0.0, 0.0]);
+    assert_eq!(through(0.2, 0.8, Some(0.5)), [0.5, 0.25, 0.0]);
+}

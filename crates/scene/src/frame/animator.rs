@@ -6,15 +6,15 @@ use glam::{Mat3, Vec3};
 use rayon::prelude::*;
 
 use super::{
-    Frame, FrameLight, Look, MIRRORED, OPAQUE, Object, QUAD_UVS, SINGLE_SIDED, TriangleOpacity, camera_pose,
-    corner_uvs,
+    Frame, FrameLight, Look, MIRRORED, OPAQUE, Object, QUAD_UVS, SINGLE_SIDED, TINTED, TriangleOpacity,
+    camera_pose, corner_uvs,
     deform::{deform, normal_matrix},
     gather,
     pose::{NodePose, instance_moves, moving_nodes},
 };
 use crate::{
     camera::{Camera, CameraPose},
-    model::{AlphaMode, TextureRef},
+    model::{AlphaMode, Material, TextureRef},
     particle::ParticleSystem,
     scene::Scene,
 };
@@ -171,6 +171,7 @@ impl Animator {
         };
         let mut flags = if mirrored { MIRRORED } else { 0 };
         flags |= if material.double_sided { 0 } else { SINGLE_SIDED };
+        flags |= tint_flag(material);
         let count = mesh.indices.len();
         frame.triangle_object.extend(std::iter::repeat_n(frame.objects.len() as u32, count));
         frame.objects.push(object);
@@ -227,12 +228,16 @@ impl Animator {
                 frame.triangles.push(corners[half]);
                 frame.previous_moving.push(before[half]);
                 frame.triangle_object.push(frame.objects.len() as u32);
-                frame.opacity_slot.push(frame.opacities.len() as u32);
+                frame.opacity_slot.push(tint_flag(material) | frame.opacities.len() as u32);
                 frame.opacities.push(TriangleOpacity::new(material, [alpha; 3], uvs));
             }
             frame.objects.push(object);
         }
     }
+}
+
+fn tint_flag(material: &Material) -> u32 {
+    if material.transmission > 0.0 { TINTED } else { 0 }
 }
 
 /// Unit axes of a quad that faces the camera, turned in its plane.

@@ -407,10 +407,13 @@ fn transmission_lowers_alpha() {
     let clear = glass(json!({"metallicFactor": 0}), "OPAQUE");
     assert_eq!(clear.alpha_mode, AlphaMode::Blend);
     assert!((clear.base_colour.w - 0.15).abs() < 1e-6);
+    // What is taken out of the opacity colours the light that passes.
+    assert!((clear.transmission - 0.85).abs() < 1e-6);
     let blended = glass(json!({"metallicFactor": 0, "baseColorFactor": [1, 1, 1, 0.5]}), "BLEND");
     assert!((blended.base_colour.w - 0.075).abs() < 1e-6);
     // A metal transmits nothing.
-    assert_eq!(glass(json!({"metallicFactor": 1}), "OPAQUE").base_colour.w, 1.0);
+    let metal = glass(json!({"metallicFactor": 1}), "OPAQUE");
+    assert_eq!((metal.base_colour.w, metal.transmission), (1.0, 0.0));
 }
 
 #[test]

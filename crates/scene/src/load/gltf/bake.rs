@@ -77,7 +77,7 @@ fn common_place(used: &[Option<TextureRef>]) -> Option<TextureRef> {
 }
 
 /// Lowers the alpha of a material by what it transmits: `alpha · (1 - strength · transmission · (1 - metallic))`, since metals transmit
-/// nothing (`KHR_materials_transmission`). What differs from texel to texel goes into the base colour texture.
+/// nothing (`KHR_materials_transmission`). What differs from texel to texel goes into the base colour texture. Shadows take the base colour.
 pub(super) fn transmission(
     material: &mut Material,
     strength: f32,
@@ -87,6 +87,8 @@ pub(super) fn transmission(
 ) -> Result<Baked, String> {
     let metallic = material.metallic;
     let metal_texture = material.metallic_roughness_texture.filter(|_| metallic > 0.0);
+    // The most that any texel transmits.
+    material.transmission = if metal_texture.is_some() { strength } else { strength * (1.0 - metallic) };
     let used = [material.base_colour_texture, texture, metal_texture];
     let stack = Stack::new(&used, textures, images);
     let place = common_place(&used).filter(|_| texture.is_some() || metal_texture.is_some());
