@@ -6,7 +6,7 @@ use clap::{Args, Parser, Subcommand, builder::RangedU64ValueParser, value_parser
 use glam::Vec3;
 use sheer_core::{colour::linear_from_srgb, coverage::Correction, parameter::split_name};
 use sheer_image::unit_from_u8;
-use sheer_render::{Antialiasing, Background, Method};
+use sheer_render::{Antialiasing, Background, Method, Shadow};
 use sheer_scene::CameraChoice;
 
 use crate::output;
@@ -70,6 +70,8 @@ pub(crate) struct RenderArguments {
     #[command(flatten)]
     pub(crate) frames: FrameArguments,
     #[command(flatten)]
+    pub(crate) light: LightArguments,
+    #[command(flatten)]
     pub(crate) machine: MachineArguments,
 }
 
@@ -92,6 +94,8 @@ pub(crate) struct CompareArguments {
     #[command(flatten)]
     pub(crate) frames: FrameArguments,
     #[command(flatten)]
+    pub(crate) light: LightArguments,
+    #[command(flatten)]
     pub(crate) machine: MachineArguments,
 }
 
@@ -110,6 +114,8 @@ pub(crate) struct BenchArguments {
     pub(crate) html: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) frames: FrameArguments,
+    #[command(flatten)]
+    pub(crate) light: LightArguments,
     #[command(flatten)]
     pub(crate) machine: MachineArguments,
 }
@@ -203,6 +209,15 @@ pub(crate) struct FrameArguments {
     /// Seed of the dithering.
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub(crate) seed: u32,
+}
+
+/// How light comes about.
+#[derive(Args, Clone, Copy, Debug)]
+pub(crate) struct LightArguments {
+    /// Shadow technique, NAME or NAME:KEY=VALUE,…: deep, stochastic-map, deep-map, opacity-map or fourier; `sheer methods --long` lists their
+    /// keys.
+    #[arg(long, value_name = "SHADOW", default_value_t)]
+    pub(crate) shadow: Shadow,
 }
 
 /// Where and how loudly.

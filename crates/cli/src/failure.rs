@@ -60,7 +60,9 @@ fn is_misuse(error: &anyhow::Error) -> bool {
             _ => cause.downcast_ref::<SceneError>(),
         };
         let image = cause.downcast_ref::<ImageError>();
+        let render = cause.downcast_ref::<RenderError>();
         cause.is::<Misuse>()
+            || matches!(render, Some(RenderError::ShadowMaps { .. }))
             || matches!(
                 scene,
                 Some(SceneError::Unknown(_) | SceneError::Parameter { .. } | SceneError::NoCamera { .. })

@@ -6,12 +6,12 @@ use anyhow::Context as _;
 use rayon::ThreadPoolBuilder;
 use sheer_core::hash::fnv1a;
 use sheer_image::Metadata;
-use sheer_render::{Antialiasing, Method, RenderError, Settings, Stage};
+use sheer_render::{Antialiasing, Method, RenderError, Settings, Shadow, Stage};
 use sheer_scene::{CameraChoice, Scene};
 
 use crate::{
     COMMIT, VERSION,
-    args::{FrameArguments, MachineArguments, SceneArguments, Size},
+    args::{FrameArguments, LightArguments, MachineArguments, SceneArguments, Size},
     report::json::Run,
     talk::Talk,
 };
@@ -32,9 +32,17 @@ impl FrameArguments {
             size: self.size.unwrap_or(default_size).0,
             seed: self.seed,
             background: self.background,
+            shadow: Shadow::default(),
             start_secs: self.time,
             first_frame: self.first_frame,
         }
+    }
+}
+
+impl LightArguments {
+    /// The same settings under this light.
+    pub(crate) fn under(self, settings: Settings) -> Settings {
+        Settings { shadow: self.shadow, ..settings }
     }
 }
 
@@ -117,6 +125,7 @@ pub(crate) fn metadata(
         .with("scene", &scene.text)
         .with("method", method)
         .with("aa", aa)
+        .with("shadow", settings.shadow)
         .with("seed", settings.seed)
         .with("commit", COMMIT)
         .with("version", VERSION)
@@ -161,6 +170,7 @@ fn describe_scene(
         frames,
         first_frame: settings.first_frame,
         time_secs: settings.start_secs,
+        shadow: settings.shadow.to_string(),
         backend: machine.backend.word(),
         adapter: processor(),
         seed: settings.seed,

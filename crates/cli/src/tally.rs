@@ -32,6 +32,11 @@ impl Tally {
         quantile(&self.frames.iter().map(|frame| frame.build_ms).collect::<Vec<_>>(), 0.5)
     }
 
+    /// The median of the milliseconds spent on shadow maps.
+    pub(crate) fn shadow_ms(&self) -> f64 {
+        quantile(&self.frames.iter().map(|frame| frame.shadow_ms).collect::<Vec<_>>(), 0.5)
+    }
+
     /// Camera and shadow rays of a frame, mean.
     pub(crate) fn rays(&self) -> f64 {
         self.per_frame(self.sum.camera_rays + self.sum.shadow_rays)

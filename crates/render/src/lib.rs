@@ -23,7 +23,7 @@ pub mod contract;
 pub mod cpu;
 pub mod method;
 mod pipeline;
-mod shadow;
+pub mod shadow;
 mod stage;
 pub mod temporal;
 
@@ -31,6 +31,7 @@ pub use crate::{
     cpu::{Background, Counters, StepTime},
     method::{Method, MethodError},
     pipeline::{Clock, Moment, Pipeline, RenderError, Settings, Timings},
+    shadow::Shadow,
     stage::Stage,
     temporal::Antialiasing,
 };

@@ -8,6 +8,7 @@ use sheer_scene::SceneError;
 use crate::{
     cpu::{self, Background, Counters, FrameSettings, StepTime},
     method::Method,
+    shadow::Shadow,
     stage::Stage,
     temporal::{Antialiasing, History, jitter},
 };
@@ -24,6 +25,16 @@ pub enum RenderError {
     /// The operating system gives no threads.
     #[error("cannot start the rendering threads: {0}; try fewer with --threads")]
     Threads(#[from] rayon::ThreadPoolBuildError),
+    /// The shadow maps are too large.
+    #[error(
+        "the shadow maps of {lights} lights would take {mebibytes} MiB; give --shadow a lower resolution= or less of what it keeps of a texel"
+    )]
+    ShadowMaps {
+        /// How many lights there are.
+        lights: usize,
+        /// What their maps would take at least.
+        mebibytes: usize,
+    },
 }
 
 /// What all frames of a run have in common.
@@ -35,6 +46,8 @@ pub struct Settings {
     pub seed: u32,
     /// What lies behind everything.
     pub background: Background,
+    /// How light is shadowed.
+    pub shadow: Shadow,
     /// Time of the first frame, seconds.
     pub start_secs: f32,
     /// Index of the first frame.
@@ -47,6 +60,7 @@ impl Default for Settings {
             size: [960, 540],
             seed: 0,
             background: Background::Environment,
+            shadow: Shadow::default(),
             start_secs: 0.0,
             first_frame: 0,
         }
@@ -102,8 +116,10 @@ impl Clock {
 pub struct Timings {
     /// Animation and acceleration structure, milliseconds.
     pub build_ms: f64,
-    /// Tracing and shading.
+    /// Tracing and shading, shadow maps included.
     pub trace_ms: f64,
+    /// Making shadow maps, a part of `trace_ms`.
+    pub shadow_ms: f64,
     /// Adding up over time, which frame times leave out (STD section 4).
     pub resolve_ms: f64,
 }
@@ -154,8 +170,8 @@ impl Pipeline {
     pub fn render(&mut self, stage: &Stage, index: u32) -> Result<(Counters, Timings), RenderError> {
         let frame = self.settings.first_frame + index;
         let jitter = jitter(self.history.antialiasing(), frame);
-        let Settings { size, seed, background, .. } = self.settings;
-        let settings = FrameSettings { size, frame, seed, jitter, background };
+        let Settings { size, seed, background, shadow, .. } = self.settings;
+        let settings = FrameSettings { size, frame, seed, jitter, background, shadow };
         let rendered = cpu::render(stage, &self.method, &settings)?;
         self.steps = rendered.steps;
         let start = Instant::now();
@@ -163,6 +179,7 @@ impl Pipeline {
         let timings = Timings {
             build_ms: stage.build_ms(),
             trace_ms: rendered.trace_ms,
+            shadow_ms: rendered.shadow_ms,
             resolve_ms: start.elapsed().as_secs_f64() * 1e3,
         };
         Ok((rendered.counters, timings))

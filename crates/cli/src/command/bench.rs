@@ -18,7 +18,7 @@ pub(crate) fn run(arguments: &BenchArguments) -> anyhow::Result<()> {
     let talk = arguments.machine.apply()?;
     let json = arguments.json.as_deref().map(TextOutput::open).transpose()?;
     let html = arguments.html.as_deref().map(TextOutput::open).transpose()?;
-    let settings = arguments.frames.settings(DEFAULT_SIZE);
+    let settings = arguments.light.under(arguments.frames.settings(DEFAULT_SIZE));
     let frame_count = arguments.frames.frames;
     let methods = without_repeats(&arguments.methods);
     let mut opened = arguments.scene.open(arguments.machine, talk)?;
@@ -75,6 +75,7 @@ fn row(method: &Method, tally: &Tally, first: &Tally) -> BenchmarkRow {
         ms_spread: tally.ms(0.75) - tally.ms(0.25),
         ratio: tally.ms(0.5) / first.ms(0.5),
         build_ms_median: tally.build_ms(),
+        shadow_ms_median: tally.shadow_ms(),
         rays: tally.rays(),
         shaded: tally.shaded(),
         mray_per_s: tally.mray_per_s(),

@@ -19,7 +19,7 @@ pub(crate) fn run(arguments: &CompareArguments) -> anyhow::Result<()> {
     let talk = arguments.machine.apply()?;
     let folder = arguments.output.as_path();
     output::open_folder(folder)?;
-    let settings = arguments.frames.settings(COMPARE_SIZE);
+    let settings = arguments.light.under(arguments.frames.settings(COMPARE_SIZE));
     if arguments.vdp && settings.size.into_iter().any(|side| side < LEAST_VDP_SIDE_PX) {
         let problem =
             format!("--vdp judges pictures from {LEAST_VDP_SIDE_PX} pixels a side up; try a larger --size");

@@ -13,7 +13,7 @@ use crate::{
 
 pub(crate) fn run(arguments: &RenderArguments) -> anyhow::Result<()> {
     let talk = arguments.machine.apply()?;
-    let settings = arguments.frames.settings(DEFAULT_SIZE);
+    let settings = arguments.light.under(arguments.frames.settings(DEFAULT_SIZE));
     let antialiasing = arguments.antialiasing;
     let path = output_path(arguments)?;
     let output = PictureOutput::from_path(&path);

@@ -21,6 +21,8 @@ pub(crate) struct Run {
     pub(crate) first_frame: u32,
     /// Time of frame 0, seconds.
     pub(crate) time_secs: f32,
+    /// `--shadow` with all its keys.
+    pub(crate) shadow: String,
     /// What rendered.
     pub(crate) backend: &'static str,
     /// The processor.
@@ -101,6 +103,8 @@ pub(crate) struct BenchmarkRow {
     pub(crate) ratio: f64,
     /// Animation and acceleration structure, part of `ms`.
     pub(crate) build_ms_median: f64,
+    /// Making shadow maps, part of `ms`.
+    pub(crate) shadow_ms_median: f64,
     /// Camera and shadow rays a frame, mean.
     pub(crate) rays: f64,
     /// Fragments shaded a frame, mean.

@@ -7,10 +7,11 @@ use crate::run::{assert_numbers, json, names_in, sheer, succeed};
 #[test]
 fn a_report_has_the_names_and_types_of_its_contract() {
     let folder = tempfile::tempdir().unwrap();
-    let arguments = "bench layers -m baseline -m std --size 32x18 --frames 3";
+    let arguments = "bench layers -m baseline -m std --size 32x18 --frames 3 --shadow fourier:terms=3";
     let outcome = succeed(folder.path(), &format!("{arguments} --json a.json"));
     let report = json(&fs::read_to_string(folder.path().join("a.json")).unwrap());
     assert_eq!((&report["scene"], &report["frames"]), (&"layers".into(), &3.into()));
+    assert_eq!(report["shadow"], "fourier:resolution=1024,terms=3");
     let rows = report["rows"].as_array().unwrap();
     assert_eq!(rows.len(), 2);
     for row in rows {
@@ -19,7 +20,16 @@ fn a_report_has_the_names_and_types_of_its_contract() {
         assert!(row["ms"].as_array().unwrap().iter().all(serde_json::Value::is_number));
         assert_numbers(
             row,
-            &["ms_median", "build_ms_median", "rays", "shaded", "mray_per_s", "ms_spread", "ratio"],
+            &[
+                "ms_median",
+                "build_ms_median",
+                "rays",
+                "shaded",
+                "mray_per_s",
+                "ms_spread",
+                "ratio",
+                "shadow_ms_median",
+            ],
         );
     }
     assert_eq!(rows[0]["ratio"], 1.0);

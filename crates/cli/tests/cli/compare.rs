@@ -19,7 +19,7 @@ fn a_report_has_the_names_and_types_of_its_contract() {
     assert_eq!(report["backend"], "cpu");
     assert_numbers(&report, &["frames", "seed", "threads"]);
     assert_eq!((&report["frames"], &report["seed"], &report["threads"]), (&4.into(), &3.into(), &1.into()));
-    for name in ["adapter", "version", "commit", "scene_hash"] {
+    for name in ["adapter", "version", "commit", "scene_hash", "shadow"] {
         assert!(report[name].as_str().is_some_and(|text| !text.is_empty()), "{name}");
     }
     let rows = report["rows"].as_array().unwrap();

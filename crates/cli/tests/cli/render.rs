@@ -36,7 +36,15 @@ fn an_exr_carries_all_planes_and_how_it_was_made() {
     assert!(planes.instance.as_slice().iter().all(|&id| id != Planes::NO_ID));
     assert!(planes.colour.as_slice().iter().all(|pixel| pixel[3] == 1.0));
     let bytes = fs::read(path).unwrap();
-    for key in ["sheer.scene", "sheer.method", "sheer.aa", "sheer.seed", "sheer.commit", "sheer.version"] {
+    for key in [
+        "sheer.scene",
+        "sheer.method",
+        "sheer.aa",
+        "sheer.shadow",
+        "sheer.seed",
+        "sheer.commit",
+        "sheer.version",
+    ] {
         assert!(bytes.windows(key.len()).any(|window| window == key.as_bytes()), "{key}");
     }
 }

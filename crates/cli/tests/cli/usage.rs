@@ -2,7 +2,7 @@
 
 use std::process::Stdio;
 
-use sheer_render::method::METHODS;
+use sheer_render::{method::METHODS, shadow::SHADOWS};
 use sheer_scene::builtin::catalogue;
 
 use crate::run::{command, names_in, sheer, succeed};
@@ -25,6 +25,9 @@ fn wrong_use_exits_with_2_and_one_line_that_says_what_there_is() {
         ("render layers --time nan", "seconds"),
         ("render layers --background blue", "#7f7f7f"),
         ("render layers --threads 0", "0"),
+        ("render layers --shadow shallow", "there are: deep, stochastic-map, deep-map, opacity-map, fourier"),
+        ("compare layers --shadow deep-map:tolerance=2", "0.0..=0.5"),
+        ("bench pane --shadow stochastic-map:resolution=8192,samples=64 --size 8x8", "lower resolution="),
         ("render layers --backend gpu:ray", "--backend cpu"),
         ("render layers --backend tpu", "cpu, gpu, gpu:ray, gpu:raster"),
         ("render layers -o picture.jpg", ".png or .exr"),
@@ -65,6 +68,8 @@ fn lists_have_one_line_each_with_the_name_first() {
     };
     assert_eq!(first_words("scenes"), catalogue().iter().map(|info| info.name).collect::<Vec<_>>());
     assert_eq!(first_words("methods"), METHODS.iter().map(|info| info.id).collect::<Vec<_>>());
+    let long = succeed(folder.path(), "methods --long").stdout;
+    assert!(SHADOWS.iter().all(|info| long.contains(&format!("\n{} ", info.id))), "{long}");
     let long = succeed(folder.path(), "scenes --long").stdout;
     assert!(long.contains("\n    count=8  "), "{long}");
 }

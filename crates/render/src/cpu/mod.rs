@@ -14,6 +14,7 @@ use crate::{
     contract::{Compositing, Gathering, Hybrid, MIN_ALPHA, Selection, Tables, Threshold, Visitor},
     method::Method,
     pipeline::RenderError,
+    shadow::{Shadow, Shadows},
     stage::Stage,
 };
 
@@ -48,6 +49,8 @@ pub struct FrameSettings {
     pub jitter: Vec2,
     /// What lies behind everything.
     pub background: Background,
+    /// How light is shadowed.
+    pub shadow: Shadow,
 }
 
 /// What a frame cost.
@@ -55,7 +58,7 @@ pub struct FrameSettings {
 pub struct Counters {
     /// Camera rays, continuation rays among them.
     pub camera_rays: u64,
-    /// Deep shadow rays.
+    /// Deep shadow rays, and rays that make shadow maps.
     pub shadow_rays: u64,
     /// Hits of camera rays that were tested or composited.
     pub hits: u64,
@@ -98,6 +101,8 @@ pub struct Rendered {
     pub counters: Counters,
     /// Milliseconds from the first ray to the last pixel; building the acceleration structure comes on top.
     pub trace_ms: f64,
+    /// Milliseconds of these that went into shadow maps.
+    pub shadow_ms: f64,
     /// The steps of methods with an unordered gathering; empty for all others.
     pub steps: Vec<StepTime>,
 }
@@ -188,15 +193,18 @@ impl Draw<'_> {
         let [width, height] = self.settings.size;
         let mut planes = Planes::new(width, height)?;
         let start = Instant::now();
+        let FrameSettings { frame, seed, shadow, .. } = self.settings;
+        let shadows = Shadows::new(self.stage, shadow, *frame, *seed)?;
         let (counters, nanoseconds) = self.stage.pool().install(|| {
             let bands = planes.par_bands_mut(BAND_ROWS);
             let costs = bands.map(|mut band| {
-                let mut tracer = Tracer::new(self.stage, self.settings, self.correction);
+                let mut tracer = Tracer::new(self.stage, self.settings, &shadows, self.correction);
                 let mut counters = Counters::default();
                 // Squares, not rows: their rays stay together.
                 for left in (0..width).step_by(BAND_ROWS as usize) {
                     for row in 0..band.height() {
                         for x in left..(left + BAND_ROWS).min(width) {
+                            tracer.pixel_at = [x, band.y + row];
                             let pixel = trace(&mut tracer, [x, band.y + row], &mut counters);
                             band.set(x, row, pixel);
                         }
@@ -208,8 +216,11 @@ impl Draw<'_> {
                 (counters + more, times.plus(&longer))
             })
         });
+        let counters = counters + Counters { shadow_rays: shadows.rays(), ..Counters::default() };
         let trace_ms = start.elapsed().as_secs_f64() * 1e3;
-        Ok((Rendered { planes, counters, trace_ms, steps: Vec::new() }, nanoseconds))
+        let rendered =
+            Rendered { planes, counters, trace_ms, shadow_ms: shadows.build_ms(), steps: Vec::new() };
+        Ok((rendered, nanoseconds))
     }
 }
 
@@ -217,6 +228,9 @@ impl Draw<'_> {
 struct Tracer<'a> {
     stage: &'a Stage,
     settings: &'a FrameSettings,
+    shadows: &'a Shadows,
+    /// Column and row of the pixel that is being traced.
+    pixel_at: [u32; 2],
     /// Of what is held against a threshold.
     correction: Correction,
     /// See [`crate::contract::PixelSite::depth_range`].
@@ -236,10 +250,17 @@ struct Layer {
 }
 
 impl<'a> Tracer<'a> {
-    fn new(stage: &'a Stage, settings: &'a FrameSettings, correction: Correction) -> Self {
+    fn new(
+        stage: &'a Stage,
+        settings: &'a FrameSettings,
+        shadows: &'a Shadows,
+        correction: Correction,
+    ) -> Self {
         Self {
             stage,
             settings,
+            shadows,
+            pixel_at: [0; 2],
             correction,
             depth_range: depth_range(stage),
             workspace: Workspace::default(),

@@ -43,6 +43,7 @@ mod tests {
     use super::*;
     use crate::{
         cpu::{Background, FrameSettings},
+        shadow::{Shadow, Shadows},
         stage::Stage,
     };
 
@@ -61,9 +62,16 @@ mod tests {
         let scene = sheer_scene::open("layers:count=1").unwrap().scene;
         let stage = Stage::new(scene, &CameraChoice::Default, Some(1)).unwrap();
         for jitter in [Vec2::ZERO, Vec2::new(0.3, -0.2)] {
-            let settings =
-                FrameSettings { size: [64, 36], frame: 0, seed: 0, jitter, background: Background::None };
-            let tracer = Tracer::new(&stage, &settings, sheer_core::coverage::Correction::NONE);
+            let settings = FrameSettings {
+                size: [64, 36],
+                frame: 0,
+                seed: 0,
+                jitter,
+                background: Background::None,
+                shadow: Shadow::default(),
+            };
+            let shadows = Shadows::new(&stage, &settings.shadow, 0, 0).unwrap();
+            let tracer = Tracer::new(&stage, &settings, &shadows, sheer_core::coverage::Correction::NONE);
             let at = |pixel| {
                 let ray = tracer.ray(&tracer.camera_ray(tracer.sample(pixel)));
                 tracer.object_space(pixel, &stage.bvh().closest(&ray, |_| true).unwrap())

@@ -1,4 +1,4 @@
-//! Shading: glTF metallic-roughness under punctual lights with deep shadows, and the environment.
+//! Shading: glTF metallic-roughness under punctual lights with shadows, and the environment.
 
 use std::f32::consts::PI;
 
@@ -10,7 +10,7 @@ use sheer_scene::{
 };
 
 use super::{Counters, Tracer};
-use crate::shadow;
+use crate::shadow::{Receiver, toward};
 
 /// Reflectance of common dielectrics at normal incidence, index of refraction 1.5 (glTF 2.0, appendix B.2).
 const DIELECTRIC_F0: f32 = 0.04;
@@ -50,7 +50,7 @@ impl Tracer<'_> {
                 let ambient = lobes.diffuse * diffuse + lobes.environment_specular() * specular;
                 surface.emissive
                     + ambient * surface.occlusion
-                    + self.lit(&surface, counters, |incident| {
+                    + self.lit(&surface, hit, counters, |incident| {
                         let n_dot_l = surface.normal.dot(incident.to_light);
                         (n_dot_l > 0.0)
                             .then(|| lobes.reflect(&surface, to_viewer, incident.to_light) * n_dot_l)
@@ -61,7 +61,7 @@ impl Tracer<'_> {
                     0.5 * (scene.environment.diffuse(surface.normal) + scene.environment.diffuse(to_viewer));
                 surface.emissive
                     + surface.base_colour * ambient
-                    + self.lit(&surface, counters, |incident| {
+                    + self.lit(&surface, hit, counters, |incident| {
                         Some(smoke_phase(&surface, to_viewer, incident.to_light))
                     })
             }
@@ -69,25 +69,26 @@ impl Tracer<'_> {
         radiance * scene.exposure
     }
 
-    /// Sum over all lights: irradiance × `response`, with a deep shadow ray wherever the response is not none.
+    /// Sum over all lights: irradiance × `response` × transmittance; shadows are looked for wherever the response is not none.
     fn lit(
         &self,
         surface: &Surface,
+        hit: &Hit,
         counters: &mut Counters,
         response: impl Fn(&Incident) -> Option<Vec3>,
     ) -> Vec3 {
         let mut sum = Vec3::ZERO;
-        for light in self.stage.frame().lights() {
+        for (index, light) in self.stage.frame().lights().iter().enumerate() {
             let Some(incident) = arriving(light, surface.position) else { continue };
             let Some(response) = response(&incident) else { continue };
-            // Lifted towards the light's side of the surface.
-            let side = surface.geometric_normal.dot(incident.to_light).signum();
-            let lift = self.stage.lift() + surface.position.abs().max_element() * 4e-6;
-            let origin = surface.position + surface.geometric_normal * (side * lift);
-            counters.shadow_rays += 1;
-            let distance = incident.distance - 2.0 * lift;
-            let transmittance =
-                shadow::deep(self.stage.frame(), self.stage.bvh(), origin, incident.to_light, distance);
+            let receiver = Receiver {
+                position: surface.position,
+                normal: surface.geometric_normal,
+                to_light: incident.to_light,
+                distance: incident.distance,
+                key: [self.pixel_at[0], self.pixel_at[1], hit.triangle],
+            };
+            let transmittance = self.shadows.at(self.stage, index, &receiver, counters);
             sum += incident.irradiance * response * transmittance;
         }
         sum
@@ -96,20 +97,19 @@ impl Tracer<'_> {
 
 /// Light from a punctual light at a point (`KHR_lights_punctual`); none beyond its range or outside its cone.
 fn arriving(light: &FrameLight, position: Vec3) -> Option<Incident> {
-    let toward = light.position - position;
-    let distance = toward.length();
+    let (to_light, distance) = toward(light, position);
     let falloff = |range: f32| {
         let window = (1.0 - (distance / range).powi(4)).clamp(0.0, 1.0);
         window / (distance * distance).max(1e-8)
     };
-    let (to_light, distance, strength) = match light.kind {
-        LightKind::Directional => (-light.direction, f32::INFINITY, 1.0),
-        LightKind::Point { range } => (toward / distance, distance, falloff(range)),
+    let strength = match light.kind {
+        LightKind::Directional => 1.0,
+        LightKind::Point { range } => falloff(range),
         LightKind::Spot { range, inner_cone_rad, outer_cone_rad } => {
-            let cosine = light.direction.dot(-toward / distance);
+            let cosine = light.direction.dot(-to_light);
             let (inner, outer) = (inner_cone_rad.cos(), outer_cone_rad.cos());
             let cone = ((cosine - outer) / (inner - outer).max(1e-4)).clamp(0.0, 1.0);
-            (toward / distance, distance, falloff(range) * cone * cone)
+            falloff(range) * cone * cone
         }
     };
     let irradiance = light.intensity * strength;

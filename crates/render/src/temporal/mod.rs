@@ -162,6 +162,7 @@ mod tests {
             seed: 0,
             jitter: Vec2::ZERO,
             background: crate::cpu::Background::None,
+            shadow: crate::Shadow::default(),
         };
         let mut history = History::new(Antialiasing::Accumulate, [1, 1]).unwrap();
         for value in [1.0, 2.0, 6.0] {

@@ -178,7 +178,7 @@ pub(super) fn time_plot(moments: &[Moment], methods: &[&str], tallies: &[Tally])
         description: "Milliseconds of a frame over the seconds of the clip, one line for each method"
             .to_owned(),
         x: Axis::new("s"),
-        y: Axis::new("ms").from_zero(),
+        y: Axis::new("ms").with_zero(),
         series: methods
             .iter()
             .zip(tallies)

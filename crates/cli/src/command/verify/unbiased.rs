@@ -156,9 +156,9 @@ fn draws(stage: &mut Stage) -> anyhow::Result<Image<Drawn>> {
     let mut drawn = Image::filled(SIZE[0], SIZE[1], Drawn::default())?;
     for frame in 0..FRAMES {
         stage.advance(clock.at(frame));
-        let Settings { size, seed, background, .. } = settings;
+        let Settings { size, seed, background, shadow, .. } = settings;
         let jitter = jitter(Antialiasing::Accumulate, frame);
-        let frame_settings = FrameSettings { size, frame, seed, jitter, background };
+        let frame_settings = FrameSettings { size, frame, seed, jitter, background, shadow };
         let sums = render_compositing(stage, &MomentsOfDraws, &frame_settings)?.planes.colour;
         let frames = f64::from(FRAMES);
         for (pixel, sums) in drawn.as_mut_slice().iter_mut().zip(sums.as_slice()) {

@@ -1,0 +1,266 @@
+//! From world to the texels of a light's map: parallel for the sun, central for a spot, six squares around a point.
+
+use std::f32::consts::FRAC_PI_3;
+
+use glam::{Mat3, Vec2, Vec3};
+use rayon::prelude::*;
+use sheer_accel::Ray;
+use sheer_scene::{Frame, FrameLight, model::LightKind};
+
+use super::{Receiver, View};
+use crate::stage::Stage;
+
+/// Spots that open wider than this from their axis get the six squares of a point: one square would spend its texels on its corners.
+const WIDEST_SPOT_RAD: f32 = FRAC_PI_3;
+/// Texels of a parallel map grow in steps of this factor with what they have to cover, so that the map of a still town does not crawl when a
+/// puff of smoke drifts.
+const TEXEL_STEP: f32 = 1.09;
+/// Neighbouring facets of what is meant as smooth turn by up to 11° (tangent 0.2) against each other, which the plane of the receiver does
+/// not know. Less brings dark facets back on spheres of 32 segments, more lets light under thin things.
+const FACET_SLOPE: f32 = 0.2;
+/// The plane of the receiver is followed up to this slope against the light (87°): beyond, where light but grazes it, the plane says nothing
+/// about a neighbouring texel.
+const STEEPEST: f32 = 20.0;
+/// Share of a depth by which the two ways to it, from the camera and from the light, differ at most by rounding.
+const DEPTH_ROUNDING: f32 = 4e-6;
+
+/// How many texels the map of a light has, `side` a side; a side of the six squares is half as long, which leaves them one and a half times
+/// the texels of the others.
+pub(super) fn texel_count(light: &FrameLight, side: u32) -> usize {
+    let (faces, side) = shape(light, side);
+    faces * side as usize * side as usize
+}
+
+fn shape(light: &FrameLight, side: u32) -> (usize, u32) {
+    match light.kind {
+        LightKind::Directional => (1, side),
+        LightKind::Spot { outer_cone_rad, .. } if outer_cone_rad <= WIDEST_SPOT_RAD => (1, side),
+        LightKind::Spot { .. } | LightKind::Point { .. } => (6, side.div_ceil(2)),
+    }
+}
+
+/// A light's map: one square of texels, or six.
+#[derive(Debug)]
+pub(super) struct Projection {
+    faces: Vec<Face>,
+    side: u32,
+}
+
+#[derive(Debug)]
+struct Face {
+    /// Right, up, forward: `world_from_face`.
+    axes: Mat3,
+    lens: Lens,
+}
+
+#[derive(Debug)]
+enum Lens {
+    /// From the plane at `low`, a corner of the map in the space of the face. The low sun sees a town as a strip: its texels need not be
+    /// square.
+    Parallel { low: Vec3, texel: Vec2 },
+    /// From `eye`; half as wide as `half_width` at distance 1.
+    Central { eye: Vec3, half_width: f32 },
+}
+
+/// Where a point lies in a map.
+#[derive(Clone, Copy, Debug)]
+struct Place {
+    face: usize,
+    /// In texels from the corner.
+    at: Vec2,
+    /// World units along the ray from the light.
+    depth: f32,
+    /// Sides of a texel there, world units.
+    texel: Vec2,
+}
+
+impl Projection {
+    pub(super) fn new(view: &View<'_>, side: u32) -> Self {
+        let light = view.light;
+        let (face_count, side) = shape(light, side);
+        let looking = |forward: Vec3| {
+            // Level with the ground, which most scenes are wider along than high.
+            let right = forward.cross(Vec3::Y).try_normalize().unwrap_or(Vec3::X);
+            Mat3::from_cols(right, right.cross(forward), forward)
+        };
+        let faces = match light.kind {
+            LightKind::Directional => {
+                vec![Face::parallel(view.stage.frame(), looking(light.direction), side)]
+            }
+            LightKind::Spot { outer_cone_rad, .. } if face_count == 1 => {
+                let lens = Lens::Central { eye: light.position, half_width: outer_cone_rad.tan() };
+                vec![Face { axes: looking(light.direction), lens }]
+            }
+            LightKind::Spot { .. } | LightKind::Point { .. } => {
+                let forwards = [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y, Vec3::Z, Vec3::NEG_Z];
+                let lens = || Lens::Central { eye: light.position, half_width: 1.0 };
+                forwards.map(|forward| Face { axes: looking(forward), lens: lens() }).into()
+            }
+        };
+        Self { faces, side }
+    }
+
+    /// How many texels there are.
+    pub(super) fn texels(&self) -> usize {
+        self.faces.len() * self.side as usize * self.side as usize
+    }
+
+    /// Texels a row.
+    pub(super) fn side(&self) -> usize {
+        self.side as usize
+    }
+
+    /// The ray from the light through the middle of a texel. Its direction has unit length.
+    pub(super) fn ray(&self, texel: usize) -> Ray {
+        let side = self.side();
+        let (x, y) = (texel % side, texel / side % side);
+        self.ray_through(texel / (side * side), Vec2::new(x as f32 + 0.5, y as f32 + 0.5))
+    }
+
+    fn ray_through(&self, face: usize, at: Vec2) -> Ray {
+        let Face { axes, lens } = &self.faces[face];
+        let (origin, direction) = match *lens {
+            Lens::Parallel { low, texel } => (*axes * (low + (at * texel).extend(0.0)), axes.z_axis),
+            Lens::Central { eye, half_width } => {
+                let beside = (at * (2.0 / self.side as f32) - 1.0) * half_width;
+                (eye, (*axes * beside.extend(1.0)).normalize())
+            }
+        };
+        Ray { origin, direction, t_min: 0.0, t_max: f32::INFINITY }
+    }
+
+    /// The longer side of a texel at a depth, world units.
+    pub(super) fn texel_side(&self, texel: usize, depth: f32) -> f32 {
+        match self.faces[texel / (self.side() * self.side())].lens {
+            Lens::Parallel { texel, .. } => texel.max_element(),
+            Lens::Central { half_width, .. } => 2.0 * half_width * depth / self.side as f32,
+        }
+    }
+
+    /// None outside the map, where nothing is lit or nothing is.
+    fn place(&self, point: Vec3) -> Option<Place> {
+        let ahead = |face: &Face| match face.lens {
+            Lens::Parallel { .. } => 0.0,
+            Lens::Central { eye, .. } => face.axes.z_axis.dot(point - eye),
+        };
+        let faces = self.faces.iter().enumerate();
+        let (face, Face { axes, lens }) = faces.max_by(|(_, a), (_, b)| ahead(a).total_cmp(&ahead(b)))?;
+        let side = self.side as f32;
+        let (at, depth, texel) = match *lens {
+            Lens::Parallel { low, texel } => {
+                let local = axes.transpose() * point - low;
+                (local.truncate() / texel, local.z, texel)
+            }
+            Lens::Central { eye, half_width } => {
+                let local = axes.transpose() * (point - eye);
+                let at = 0.5 * side * (local.truncate() / (local.z * half_width) + 1.0);
+                (at, local.length(), Vec2::splat(2.0 * half_width * local.z / side))
+            }
+        };
+        let inside = at.min_element() >= 0.0 && at.max_element() <= side && depth >= 0.0;
+        inside.then_some(Place { face, at, depth, texel })
+    }
+
+    /// Mean of what `visibility` says of the texels around a receiver, each with the depth that it has there: percentage closer filtering.
+    /// `width`: of the box in texels, which weighs texels by how much of them it covers; 0 for the texel that the receiver is in.
+    pub(super) fn filter(
+        &self,
+        stage: &Stage,
+        receiver: &Receiver,
+        width: u32,
+        visibility: impl Fn(usize, f32) -> Vec3,
+    ) -> Vec3 {
+        let Some(place) = self.place(receiver.position) else { return Vec3::ONE };
+        if width == 0 {
+            let (texel, depth) = self.tap(stage, receiver, &place, place.at);
+            return visibility(texel, depth);
+        }
+        let half = 0.5 * width as f32;
+        let (low, high) = (place.at - half, place.at + half);
+        let covered = |texel: f32, low: f32, high: f32| (texel + 1.0).min(high) - texel.max(low);
+        let (mut sum, mut weights) = (Vec3::ZERO, 0.0);
+        let first = low.floor();
+        for row in 0..=width {
+            for column in 0..=width {
+                let corner = first + Vec2::new(column as f32, row as f32);
+                let weight = covered(corner.x, low.x, high.x) * covered(corner.y, low.y, high.y);
+                if weight > 0.0 {
+                    let (texel, depth) = self.tap(stage, receiver, &place, corner + 0.5);
+                    sum += weight * visibility(texel, depth);
+                    weights += weight;
+                }
+            }
+        }
+        sum / weights
+    }
+
+    /// Mean of what `visibility` says at `taps` random places in the box, evenly spread: the sequence R2 (Roberts 2018) from a random start.
+    /// It is told the number of the tap, too.
+    pub(super) fn random_taps(
+        &self,
+        stage: &Stage,
+        receiver: &Receiver,
+        width: u32,
+        taps: u32,
+        start: Vec2,
+        visibility: impl Fn(u32, usize, f32) -> Vec3,
+    ) -> Vec3 {
+        /// Inverse of the plastic number and its square.
+        const STEP: Vec2 = Vec2::new(0.754_877_7, 0.569_840_3);
+        let Some(place) = self.place(receiver.position) else { return Vec3::ONE };
+        let sum = (0..taps).map(|tap| {
+            let unit = (start + STEP * tap as f32).fract();
+            let at = place.at + (unit - 0.5) * width.max(1) as f32;
+            let (texel, depth) = self.tap(stage, receiver, &place, at);
+            visibility(tap, texel, depth)
+        });
+        sum.sum::<Vec3>() / taps as f32
+    }
+
+    /// The texel at a place, the nearest one of the face, and the depth that counts as the receiver's there: where its plane meets the
+    /// texel's ray, less a bias. So a plane does not shadow itself, however large a texel is and however steep the plane.
+    fn tap(&self, stage: &Stage, receiver: &Receiver, place: &Place, at: Vec2) -> (usize, f32) {
+        let at = at.floor().clamp(Vec2::ZERO, Vec2::splat(self.side as f32 - 1.0));
+        let middle = at + 0.5;
+        let side = self.side();
+        let texel = (place.face * side + at.y as usize) * side + at.x as usize;
+        let ray = self.ray_through(place.face, middle);
+        let offset = ((middle - place.at) * place.texel).length();
+        let cosine = receiver.normal.dot(ray.direction);
+        let on_plane = (receiver.position - ray.origin).dot(receiver.normal) / cosine;
+        let limit = STEEPEST * offset;
+        let depth = if on_plane.is_finite() {
+            on_plane.clamp(place.depth - limit, place.depth + limit)
+        } else {
+            place.depth
+        };
+        // A turn of the plane by a small angle moves its depth by 1 / cosine² as much, here as far as the steepest plane.
+        let facet = FACET_SLOPE * offset / (cosine * cosine).max(1.0 / STEEPEST);
+        (texel, depth - facet - receiver.lift(stage) - DEPTH_ROUNDING * place.depth)
+    }
+}
+
+impl Face {
+    /// Looks along `axes` at everything the frame holds.
+    fn parallel(frame: &Frame, axes: Mat3, side: u32) -> Self {
+        let face_from_world = axes.transpose();
+        let bounds = |[low, high]: [Vec3; 2], triangle: &[Vec3; 3]| {
+            let corners = triangle.map(|corner| face_from_world * corner);
+            [corners.into_iter().fold(low, Vec3::min), corners.into_iter().fold(high, Vec3::max)]
+        };
+        let nothing = [Vec3::INFINITY, Vec3::NEG_INFINITY];
+        let [low, high] = frame.triangles().par_iter().fold(|| nothing, bounds).reduce(
+            || nothing,
+            |[low, high], [other_low, other_high]| [low.min(other_low), high.max(other_high)],
+        );
+        let (low, high) = if low.x <= high.x { (low, high) } else { (Vec3::ZERO, Vec3::ONE) };
+        // A map of nothing has texels, too. Two texels more than needed, for the map is moved onto the grid of its texels and its border
+        // shall be empty.
+        let extent = (high - low).truncate().max(Vec2::splat(1e-4 * (high - low).max_element().max(1e-4)));
+        let needed = extent / (side.max(3) - 2) as f32;
+        let texel = needed.map(|needed| TEXEL_STEP.powf(needed.log(TEXEL_STEP).ceil()));
+        let corner = ((low.truncate() / texel).floor() - 0.5) * texel;
+        let near = low.z - 0.01 * extent.max_element();
+        Self { axes, lens: Lens::Parallel { low: corner.extend(near), texel } }
+    }
+}
