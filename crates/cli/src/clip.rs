@@ -2,7 +2,7 @@
 
 use sheer_image::{Image, Metadata, ToneCurve, display_over_black, encode_png, u8_from_unit};
 use sheer_metrics::{Flicker, TemporalPsnr, bias, error_map, flip, psnr_db, rms, ssim, video_vdp_jod};
-use sheer_render::{Antialiasing, Clock, Method, Pipeline, Settings, Stage};
+use sheer_render::{Antialiasing, Clock, Method, Pipeline, Settings, Stage, contract::Memory};
 
 use crate::{
     report::{json::ComparisonRow, page::comparison::Entry},
@@ -163,6 +163,7 @@ impl Clip {
         let Contestant { pipeline, tally, quality, .. } = contestant;
         let [width, height] = self.settings.size;
         let pixels = f64::from(width) * f64::from(height);
+        let hits_per_pixel = tally.hits() / pixels;
         let psnr_db = quality.mean(quality.psnr_db);
         let row = ComparisonRow {
             method: pipeline.method().to_string(),
@@ -179,7 +180,13 @@ impl Clip {
             bias: quality.mean(quality.bias),
             rms: quality.mean(quality.rms),
             shaded_per_pixel: tally.shaded() / pixels,
-            hits_per_pixel: tally.hits() / pixels,
+            hits_per_pixel,
+            memory_bytes_per_pixel: match pipeline.method().memory() {
+                Memory::Bounded(bytes) => f64::from(bytes),
+                // Lists take their fragments from a pool that all pixels share: the mean is what fills it.
+                Memory::PerFragment(bytes) => f64::from(bytes) * hits_per_pixel,
+            },
+            merged_per_pixel: tally.merged() / pixels,
         };
         let plain = Metadata::default();
         let picture = sheer_image::display(&pipeline.planes().colour, ToneCurve::default());

@@ -52,6 +52,11 @@ impl Tally {
         self.per_frame(self.sum.hits)
     }
 
+    /// Fragments merged in a frame for want of a place, mean.
+    pub(crate) fn merged(&self) -> f64 {
+        self.per_frame(self.sum.merged)
+    }
+
     /// Million rays a second of tracing and shading.
     pub(crate) fn mray_per_s(&self) -> f64 {
         let trace_ms: f64 = self.frames.iter().map(|frame| frame.trace_ms).sum();

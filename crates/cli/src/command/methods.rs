@@ -2,7 +2,7 @@
 
 use sheer_core::parameter::ParameterInfo;
 use sheer_render::{
-    contract::MethodInfo,
+    contract::{Memory, MethodInfo},
     method::{METHODS, Method, MethodError},
     shadow::SHADOWS,
 };
@@ -15,14 +15,17 @@ use crate::{
 
 pub(crate) fn run(arguments: &ListArguments) -> anyhow::Result<()> {
     let entry = |info: &MethodInfo| {
-        let parameters = info.id.parse::<Method>()?.parameters();
-        Ok(described(info.id, info.title, info.paper, info.bias, &parameters))
+        let method = info.id.parse::<Method>()?;
+        let remarks = vec![("bias", info.bias.to_owned()), ("memory", in_words(method.memory()))];
+        Ok(described(info.id, info.title, info.paper, remarks, &method.parameters()))
     };
     let entries = METHODS.iter().map(entry).collect::<Result<Vec<_>, MethodError>>()?;
     let mut text = listing(&entries, arguments.long);
     if arguments.long {
-        let shadow =
-            SHADOWS.iter().map(|info| described(info.id, info.title, info.paper, info.bias, info.parameters));
+        let shadow = SHADOWS.iter().map(|info| {
+            let remarks = vec![("bias", info.bias.to_owned())];
+            described(info.id, info.title, info.paper, remarks, info.parameters)
+        });
         text += "\nShadow techniques, set with --shadow:\n\n";
         text += &listing(&shadow.collect::<Vec<_>>(), true);
     }
@@ -33,7 +36,7 @@ fn described(
     name: &'static str,
     title: &'static str,
     source: &'static str,
-    bias: &'static str,
+    remarks: Vec<(&'static str, String)>,
     parameters: &[ParameterInfo],
 ) -> Entry {
     let parameters = parameters.iter().map(|known| Parameter {
@@ -42,5 +45,14 @@ fn described(
         range: known.range.to_string(),
         what: known.what,
     });
-    Entry { name, title, source, parameters: parameters.collect(), remarks: vec![("bias", bias)] }
+    Entry { name, title, source, parameters: parameters.collect(), remarks }
+}
+
+/// What a method stores with the parameters that it has by default.
+fn in_words(memory: Memory) -> String {
+    match memory {
+        Memory::Bounded(0) => "none beyond colour and depth".to_owned(),
+        Memory::Bounded(bytes) => format!("{bytes} bytes a pixel"),
+        Memory::PerFragment(bytes) => format!("{bytes} bytes a fragment, without bound"),
+    }
 }

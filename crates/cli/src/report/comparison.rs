@@ -98,6 +98,20 @@ const COLUMNS: &[Column<ComparisonRow>] = &[
         is_optional: false,
         value: |_, row| Some(row.hits_per_pixel),
     },
+    Column {
+        title: "bytes/px",
+        meaning: "What the method stores for a pixel beyond colour and depth, as a GPU would. A list without bound: bytes a fragment times the mean of fragments.",
+        decimals: 0,
+        is_optional: false,
+        value: |_, row| Some(row.memory_bytes_per_pixel),
+    },
+    Column {
+        title: "merged/px",
+        meaning: "Fragments of a pixel that found no place of their own in bounded memory and were merged with others. 0 where nothing overflowed.",
+        decimals: 2,
+        is_optional: false,
+        value: |_, row| Some(row.merged_per_pixel),
+    },
 ];
 
 /// What a row is.

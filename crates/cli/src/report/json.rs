@@ -78,6 +78,10 @@ pub(crate) struct ComparisonRow {
     pub(crate) shaded_per_pixel: f64,
     /// Hits tested or composited for a pixel of a frame.
     pub(crate) hits_per_pixel: f64,
+    /// What the method stores beyond colour and depth; of an unbounded one, bytes a fragment times the mean of hits for a pixel.
+    pub(crate) memory_bytes_per_pixel: f64,
+    /// Fragments merged for want of a place, for a pixel of a frame.
+    pub(crate) merged_per_pixel: f64,
 }
 
 /// `sheer bench --json`.

@@ -12,7 +12,7 @@ pub(crate) struct Entry {
     /// What can be set.
     pub(crate) parameters: Vec<Parameter>,
     /// Further things to know, with their titles.
-    pub(crate) remarks: Vec<(&'static str, &'static str)>,
+    pub(crate) remarks: Vec<(&'static str, String)>,
 }
 
 /// A parameter of an entry, set as `name:key=value`.

@@ -30,6 +30,7 @@ fn a_report_has_the_names_and_types_of_its_contract() {
     for row in rows {
         assert_numbers(row, &["ms_median", "ms_min", "ms_max", "ssim", "flicker", "bias", "rms"]);
         assert_numbers(row, &["flip", "shaded_per_pixel", "hits_per_pixel"]);
+        assert_numbers(row, &["memory_bytes_per_pixel", "merged_per_pixel"]);
         let is_reference = row["method"] == "baseline";
         assert_eq!(row["psnr_db"].is_null(), is_reference, "{row}");
         // The others dither each frame differently.
@@ -88,4 +89,23 @@ fn a_single_frame_has_no_change() {
     succeed(folder.path(), "compare layers -m std --size 32x18 --frames 1 -o out");
     let report = json(&fs::read_to_string(folder.path().join("out/report.json")).unwrap());
     assert!(report["rows"].as_array().unwrap().iter().all(|row| row["tpsnr_db"].is_null()));
+}
+
+#[test]
+fn memory_and_merged_fragments_of_the_family_are_in_the_report() {
+    let folder = tempfile::tempdir().unwrap();
+    succeed(
+        folder.path(),
+        "compare layers:count=6 -m std -m list -m mlab:k=4 -m peel -a none --size 32x18 --frames 1 -o out",
+    );
+    let report = json(&fs::read_to_string(folder.path().join("out/report.json")).unwrap());
+    let figures = |method: &str| {
+        let row = report["rows"].as_array().unwrap().iter().find(|row| row["method"] == method).unwrap();
+        ["memory_bytes_per_pixel", "merged_per_pixel"].map(|name| row[name].as_f64().unwrap())
+    };
+    assert_eq!(figures("std"), [0.0, 0.0]);
+    // Six fragments a pixel, of 16 bytes each.
+    assert_eq!(figures("list"), [96.0, 0.0]);
+    assert_eq!(figures("mlab:k=4"), [48.0, 2.0]);
+    assert_eq!(figures("peel"), [12.0, 0.0]);
 }

@@ -9,7 +9,8 @@ use sheer_core::{
 };
 
 use crate::contract::{
-    ALIGNMENT_PARAMETER, CORRECTION_PARAMETER, Compositing, Hybrid, MethodInfo, Selection, Threshold, Visitor,
+    ALIGNMENT_PARAMETER, CORRECTION_PARAMETER, Compositing, Hybrid, Memory, MethodInfo, Selection, Threshold,
+    Visitor,
 };
 
 /// Why there is no such method.
@@ -55,6 +56,25 @@ impl Family {
     }
 }
 
+struct MemoryOf;
+
+impl Visitor for MemoryOf {
+    type Output = Memory;
+
+    /// One fragment at a time is all that is held, in the targets that every method has.
+    fn threshold(self, _: &impl Threshold) -> Memory {
+        Memory::Bounded(0)
+    }
+
+    fn selection(self, _: &impl Selection) -> Memory {
+        Memory::Bounded(0)
+    }
+
+    fn compositing(self, method: &impl Compositing) -> Memory {
+        method.memory()
+    }
+}
+
 struct FamilyOf;
 
 impl Visitor for FamilyOf {
@@ -74,6 +94,7 @@ impl Visitor for FamilyOf {
 }
 
 mod object_draw;
+mod stack;
 
 macro_rules! methods {
     ($($module:ident :: $name:ident),+ $(,)?) => {
@@ -149,6 +170,12 @@ methods! {
     hashed::Hashed,
     stbn::Stbn,
     list::List,
+    peel::Peel,
+    kbuffer::Kbuffer,
+    weighted::Weighted,
+    mlab::Mlab,
+    adaptive::Adaptive,
+    moments::Moments,
 }
 
 impl Method {
@@ -156,6 +183,12 @@ impl Method {
     #[must_use]
     pub fn family(&self) -> Family {
         self.visit(FamilyOf)
+    }
+
+    /// What it stores for a pixel.
+    #[must_use]
+    pub fn memory(&self) -> Memory {
+        self.visit(MemoryOf)
     }
 
     /// All keys it takes, those of its family among them.

@@ -57,6 +57,7 @@ mod tests {
             ms_spread: 0.5,
             ratio: 1.0,
             build_ms_median: 0.0,
+            shadow_ms_median: 0.0,
             rays: 64.0,
             shaded: 32.0,
             mray_per_s: 1.0,

@@ -191,6 +191,8 @@ mod tests {
             rms: 0.0,
             shaded_per_pixel: 1.0,
             hits_per_pixel: 2.0,
+            memory_bytes_per_pixel: 0.0,
+            merged_per_pixel: 0.0,
         };
         let entry = |method: &str, error_png| Entry {
             info: &METHODS[0],

@@ -78,6 +78,7 @@ mod tests {
             frames: 2,
             first_frame: 0,
             time_secs: 0.0,
+            shadow: "deep".to_owned(),
             backend: "cpu",
             adapter: "a processor".to_owned(),
             seed: 0,

@@ -1,0 +1,98 @@
+//! Multi-layer alpha blending: k layers with colour, transmittance and depth; of one too many the two furthest become one (Salvi and
+//! Vaidyanathan 2014, section 3).
+//!
+//! A merged layer keeps the depth of its front, so that what comes later is put before or behind all of it.
+
+use std::ops::ControlFlow;
+
+use glam::Vec3;
+use sheer_core::parameter::{ParameterInfo, ParameterRange, Values};
+
+use super::stack::{Layer, MOST_PLACES, Stack};
+use crate::contract::{Compositing, Fragment, Gathering, Memory, MethodInfo, PixelSite, Visitor};
+
+/// Its entry in the table.
+pub const INFO: MethodInfo = MethodInfo {
+    id: "mlab",
+    title: "k layers a pixel; of one too many the two furthest are blended into one",
+    paper: "Salvi, Vaidyanathan 2014, Multi-Layer Alpha Blending",
+    bias: "what belongs inside a blended layer comes behind it; nothing is dropped",
+    parameters: &[ParameterInfo {
+        key: "k",
+        default: "4",
+        range: ParameterRange::Count(1, MOST_PLACES),
+        what: "layers",
+    }],
+    alignment_px: 1,
+};
+
+/// Multi-layer alpha blending.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Mlab {
+    k: u32,
+}
+
+/// The layers of a pixel.
+#[derive(Clone, Debug)]
+pub struct Layers {
+    stack: Stack,
+    merged_count: u32,
+}
+
+impl Mlab {
+    pub(crate) fn new(values: &Values) -> Self {
+        Self { k: values.count("k") }
+    }
+
+    pub(crate) fn accept<V: Visitor>(&self, visitor: V) -> V::Output {
+        visitor.compositing(self)
+    }
+}
+
+impl Compositing for Mlab {
+    type Pixel = Layers;
+
+    fn gathering(&self) -> Gathering {
+        Gathering::Unordered { each_pass: false }
+    }
+
+    fn is_order_independent(&self) -> bool {
+        false
+    }
+
+    fn memory(&self) -> Memory {
+        // A layer: colour and transmittance in 16-bit floats, depth.
+        Memory::Bounded(12 * self.k)
+    }
+
+    fn begin(&self, _: &PixelSite) -> Layers {
+        Layers { stack: Stack::EMPTY, merged_count: 0 }
+    }
+
+    fn add(
+        &self,
+        pixel: &mut Layers,
+        _: usize,
+        fragment: &Fragment<'_>,
+        shade: impl FnOnce() -> Vec3,
+    ) -> ControlFlow<()> {
+        pixel.stack.insert(Layer::new(fragment, shade()));
+        if pixel.stack.layers().len() > self.k as usize {
+            pixel.merged_count += 1;
+            pixel.stack.merge_furthest();
+        }
+        ControlFlow::Continue(())
+    }
+
+    fn transmittance(&self, pixel: &Layers, _: usize) -> f32 {
+        pixel.stack.blended().transmittance
+    }
+
+    fn resolve(&self, pixel: &Layers) -> Vec3 {
+        pixel.stack.blended().rgb_premul
+    }
+
+    fn merged_count(&self, pixel: &Layers) -> u32 {
+        pixel.merged_count
+    }
+}
