@@ -1,9 +1,10 @@
-//! Words every Sheer crate speaks: colour, hashes, threshold maps, blue noise.
+//! Words every Sheer crate speaks: colour, hashes, threshold maps, masks, blue noise.
 
 pub mod blue_noise;
 pub mod colour;
 pub mod coverage;
 pub mod hash;
+pub mod mask;
 pub mod parameter;
 pub mod spatio_temporal;
 #[cfg(test)]
