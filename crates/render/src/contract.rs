@@ -304,6 +304,18 @@ pub enum Memory {
     PerFragment(u32),
 }
 
+/// A cross-bilateral filter over the light of a method's fragments (ST section 6): pixels count by their distance and by the difference of
+/// their total alpha.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LayerFilter {
+    /// Neighbours up to this distance in rows and columns count, pixels.
+    pub radius_px: u32,
+    /// Standard deviation of the Gaussian over distance, pixels.
+    pub sigma_px: f32,
+    /// Standard deviation of the Gaussian over differences of total alpha.
+    pub sigma_alpha: f32,
+}
+
 /// Family of methods that add up fragments. In an unordered gathering what is opaque is no fragment but part of the background, which the
 /// backend shades by itself and adds by what [`Self::transmittance`] leaves of it; in an ordered one it is the last fragment.
 pub trait Compositing: Sync {
@@ -336,6 +348,12 @@ pub trait Compositing: Sync {
 
     /// What it stores.
     fn memory(&self) -> Memory;
+
+    /// A filter that the backend lays over what [`Self::resolve`] gives of all pixels, before the background is put behind it; only with
+    /// [`Gathering::Unordered`].
+    fn layer_filter(&self) -> Option<LayerFilter> {
+        None
+    }
 
     /// An empty pixel.
     fn begin(&self, site: &PixelSite) -> Self::Pixel;

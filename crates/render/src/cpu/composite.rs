@@ -68,23 +68,31 @@ impl Nanoseconds {
     }
 }
 
+/// The light of all fragments with their total alpha.
+fn layer<M: Compositing>(method: &M, pixel: &M::Pixel) -> Premul {
+    let samples = method.samples().count;
+    let transmittance: f32 = (0..samples as usize).map(|sample| method.transmittance(pixel, sample)).sum();
+    Premul { rgb: method.resolve(pixel), alpha: 1.0 - transmittance / samples as f32 }
+}
+
 fn since(start: Instant) -> u64 {
     start.elapsed().as_nanos() as u64
 }
 
 impl Tracer<'_> {
-    /// Hands the fragments of a pixel to the method and puts the background behind them.
+    /// Hands the fragments of a pixel to the method and puts the background behind them. `keeps_layer`: their light is wanted by itself, too.
     pub(super) fn composite<M: Compositing>(
         &mut self,
         method: &M,
         offsets: &SampleOffsets,
+        keeps_layer: bool,
         at: [u32; 2],
         counters: &mut Counters,
     ) -> Pixel {
         match method.gathering() {
             Gathering::Sorted | Gathering::Continuation => self.composite_in_order(method, at, counters),
             Gathering::Unordered { each_pass } => {
-                self.composite_unordered(method, offsets, each_pass, at, counters)
+                self.composite_unordered(method, offsets, [each_pass, keeps_layer], at, counters)
             }
         }
     }
@@ -182,7 +190,7 @@ impl Tracer<'_> {
         &mut self,
         method: &M,
         offsets: &SampleOffsets,
-        each_pass: bool,
+        [each_pass, keeps_layer]: [bool; 2],
         at: [u32; 2],
         counters: &mut Counters,
     ) -> Pixel {
@@ -191,10 +199,10 @@ impl Tracer<'_> {
         work.rays.clear();
         work.rays.extend(offsets.iter().map(|&offset| self.camera_ray(self.centre(at) + offset)));
         self.gather_fragments(&mut work, method.samples().all(), counters);
-        self.nanoseconds.gather += since(start);
+        self.byproducts.nanoseconds.gather += since(start);
 
         let mut pixel = method.begin(&self.pixel_site(at));
-        self.nanoseconds.passes.resize(method.pass_count(), 0);
+        self.byproducts.nanoseconds.passes.resize(method.pass_count(), 0);
         for pass in 0..method.pass_count() {
             let start = Instant::now();
             if method.begin_pass(&mut pixel, pass).is_break() {
@@ -210,13 +218,16 @@ impl Tracer<'_> {
                 let ray = &work.rays[gathered.ray as usize];
                 method.add(&mut pixel, pass, &fragment, || self.shade(ray, &gathered.hit, counters))
             });
-            self.nanoseconds.passes[pass] += since(start);
+            self.byproducts.nanoseconds.passes[pass] += since(start);
         }
 
         let start = Instant::now();
         counters.merged += u64::from(method.merged_count(&pixel));
         let (colour, shows_background) = self.behind(method, &pixel, &work, counters);
         let transparent = !work.fragments.is_empty();
+        if keeps_layer && transparent {
+            self.byproducts.layer.push((at, layer(method, &pixel)));
+        }
         let furthest = work
             .fragments
             .iter()
@@ -225,7 +236,7 @@ impl Tracer<'_> {
         let last = if shows_background { work.opaque[0] } else { furthest };
         let sample = self.centre(at) + offsets[0];
         let result = self.pixel(colour, sample, &work.rays[0], last.as_ref(), transparent);
-        self.nanoseconds.composite += since(start);
+        self.byproducts.nanoseconds.composite += since(start);
         self.workspace = work;
         result
     }

@@ -6,7 +6,7 @@ use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 use sheer_accel::{Hit, Ray};
 use sheer_core::{colour::Premul, coverage::Correction};
-use sheer_image::{Pixel, Planes};
+use sheer_image::{Image, Pixel, Planes};
 use sheer_scene::{CameraRay, FaceSide};
 
 use self::composite::{Nanoseconds, Workspace};
@@ -20,6 +20,7 @@ use crate::{
 
 mod composite;
 mod gather;
+mod layer_filter;
 mod object_space;
 mod samples;
 mod shade;
@@ -86,9 +87,9 @@ impl std::ops::Add for Counters {
 /// A step of a compositing method and how long all threads together were at it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StepTime {
-    /// `gather`, one of the method's passes, or `composite`.
+    /// `gather`, one of the method's passes, `composite`, or `filter`.
     pub name: &'static str,
-    /// Milliseconds, summed over threads.
+    /// Milliseconds, summed over threads; of `filter`, as the clock has them.
     pub ms: f64,
 }
 
@@ -163,14 +164,28 @@ impl Visitor for Draw<'_> {
     fn compositing(self, method: &impl Compositing) -> Self::Output {
         let offsets = samples::offsets(method.samples(), self.settings.jitter);
         let pass_names = (0..method.pass_count()).map(|pass| method.pass_name(pass));
-        let (mut rendered, nanoseconds) =
-            self.timed_bands(|tracer, at, counters| tracer.composite(method, &offsets, at, counters))?;
+        let filter = method.layer_filter();
+        let (stage, [width, height]) = (self.stage, self.settings.size);
+        let (mut rendered, byproducts) = self.timed_bands(|tracer, at, counters| {
+            tracer.composite(method, &offsets, filter.is_some(), at, counters)
+        })?;
         if matches!(method.gathering(), Gathering::Unordered { .. }) {
             let names = iter::once("gather").chain(pass_names).chain(["composite"]);
-            let Nanoseconds { gather, passes, composite } = nanoseconds;
+            let Nanoseconds { gather, passes, composite } = byproducts.nanoseconds;
             let times = iter::once(gather).chain(passes).chain([composite]);
             rendered.steps =
                 names.zip(times).map(|(name, ns)| StepTime { name, ms: ns as f64 * 1e-6 }).collect();
+        }
+        if let Some(filter) = filter {
+            let start = Instant::now();
+            let mut layer = Image::filled(width, height, Premul::CLEAR)?;
+            for ([x, y], light) in byproducts.layer {
+                layer[(x, y)] = light;
+            }
+            stage.pool().install(|| layer_filter::apply(&filter, &layer, &mut rendered.planes.colour));
+            let ms = start.elapsed().as_secs_f64() * 1e3;
+            rendered.trace_ms += ms;
+            rendered.steps.push(StepTime { name: "filter", ms });
         }
         Ok(rendered)
     }
@@ -185,17 +200,17 @@ impl Draw<'_> {
         Ok(self.timed_bands(trace)?.0)
     }
 
-    /// The same, with the time of each step.
+    /// The same, with the time of each step and what else the pixels leave behind.
     fn timed_bands(
         self,
         trace: impl Fn(&mut Tracer<'_>, [u32; 2], &mut Counters) -> Pixel + Sync,
-    ) -> Result<(Rendered, Nanoseconds), RenderError> {
+    ) -> Result<(Rendered, Byproducts), RenderError> {
         let [width, height] = self.settings.size;
         let mut planes = Planes::new(width, height)?;
         let start = Instant::now();
         let FrameSettings { frame, seed, shadow, .. } = self.settings;
         let shadows = Shadows::new(self.stage, shadow, *frame, *seed)?;
-        let (counters, nanoseconds) = self.stage.pool().install(|| {
+        let (counters, byproducts) = self.stage.pool().install(|| {
             let bands = planes.par_bands_mut(BAND_ROWS);
             let costs = bands.map(|mut band| {
                 let mut tracer = Tracer::new(self.stage, self.settings, &shadows, self.correction);
@@ -210,17 +225,33 @@ impl Draw<'_> {
                         }
                     }
                 }
-                (counters, tracer.nanoseconds)
+                (counters, tracer.byproducts)
             });
-            costs.reduce(Default::default, |(counters, times), (more, longer)| {
-                (counters + more, times.plus(&longer))
+            costs.reduce(Default::default, |(counters, costs), (more, further)| {
+                (counters + more, costs.plus(further))
             })
         });
         let counters = counters + Counters { shadow_rays: shadows.rays(), ..Counters::default() };
         let trace_ms = start.elapsed().as_secs_f64() * 1e3;
         let rendered =
             Rendered { planes, counters, trace_ms, shadow_ms: shadows.build_ms(), steps: Vec::new() };
-        Ok((rendered, nanoseconds))
+        Ok((rendered, byproducts))
+    }
+}
+
+/// What pixels leave behind beside themselves.
+#[derive(Debug, Default)]
+struct Byproducts {
+    nanoseconds: Nanoseconds,
+    /// Light and total alpha of the fragments of pixels, for a filter.
+    layer: Vec<([u32; 2], Premul)>,
+}
+
+impl Byproducts {
+    /// The sum of both.
+    fn plus(mut self, mut other: Self) -> Self {
+        self.layer.append(&mut other.layer);
+        Self { nanoseconds: self.nanoseconds.plus(&other.nanoseconds), layer: self.layer }
     }
 }
 
@@ -236,7 +267,7 @@ struct Tracer<'a> {
     /// See [`crate::contract::PixelSite::depth_range`].
     depth_range: [f32; 2],
     workspace: Workspace,
-    nanoseconds: Nanoseconds,
+    byproducts: Byproducts,
     layers: Vec<Layer>,
 }
 
@@ -264,7 +295,7 @@ impl<'a> Tracer<'a> {
             correction,
             depth_range: depth_range(stage),
             workspace: Workspace::default(),
-            nanoseconds: Nanoseconds::default(),
+            byproducts: Byproducts::default(),
             layers: Vec::new(),
         }
     }

@@ -170,6 +170,7 @@ methods! {
     hashed::Hashed,
     stbn::Stbn,
     list::List,
+    stochastic::Stochastic,
     peel::Peel,
     kbuffer::Kbuffer,
     weighted::Weighted,

@@ -1,0 +1,333 @@
+//! Stochastic transparency (ST): each fragment covers a random subset of a pixel's samples.
+//!
+//! Enderton, Sintorn, Shirley and Luebke, *Stochastic Transparency*, IEEE TVCG 17 (8), 2011: sampling (section 3.1), alpha correction (3.3),
+//! the depth-based estimator (3.4), spatial anti-aliasing with its compositing (3.5), seeds, adaptive passes and post filter (6).
+
+use std::ops::ControlFlow;
+
+use glam::Vec3;
+use sheer_core::{
+    colour::luminance,
+    mask::MOST_SAMPLES,
+    parameter::{ParameterInfo, ParameterRange, Values},
+};
+
+use self::{
+    masks::Masks,
+    pixel::{Pixel, covered},
+};
+use crate::contract::{
+    Compositing, Fragment, Gathering, LayerFilter, Memory, MethodInfo, PixelSite, Placement, RETRACE_PARAMETER,
+    Samples, Visitor,
+};
+
+mod masks;
+mod pixel;
+
+const fn choice(
+    key: &'static str,
+    default: &'static str,
+    words: &'static [&'static str],
+    what: &'static str,
+) -> ParameterInfo {
+    ParameterInfo { key, default, range: ParameterRange::Choice(words), what }
+}
+
+/// Its entry in the table.
+pub const INFO: MethodInfo = MethodInfo {
+    id: "stochastic",
+    title: "each fragment covers a random subset of the pixel's samples; a z-buffer a sample does the rest",
+    paper: "Enderton, Sintorn, Shirley, Luebke (ST)",
+    bias: "none with correct=off; with correct=on less noise, and a bias that falls with the samples (estimator=depth)",
+    parameters: &[
+        ParameterInfo {
+            key: "samples",
+            default: "8",
+            range: ParameterRange::Count(1, MOST_SAMPLES),
+            what: "samples a pixel in each pass; usual are 4, 8, 16, 64; for more than 64 take passes",
+        },
+        ParameterInfo {
+            key: "passes",
+            default: "1",
+            range: ParameterRange::Count(1, MOST_SAMPLES),
+            what: "stochastic passes, each with samples of its own, averaged before the one division (ST section 3.5)",
+        },
+        choice(
+            "placement",
+            "centre",
+            &["centre", "box", "gaussian"],
+            "samples all in the pixel centre; or spread over the pixel, or by a small Gaussian: spatial anti-aliasing",
+        ),
+        choice(
+            "masks",
+            "stratified",
+            &["stratified", "naive", "laine-karras", "a2c"],
+            "R = ⌊αS + ξ⌋ random samples; a coin a sample; stratified over neighbours and layers, too (Laine and Karras 2011); \
+             always the first R, as alpha-to-coverage has it, so that layers hide one another",
+        ),
+        choice(
+            "estimator",
+            "depth",
+            &["depth", "basic"],
+            "every fragment weighted by its visibility in a stochastic depth map (ST section 3.4); or winners only (3.1)",
+        ),
+        choice("correct", "on", &["on", "off"], "alpha correction by the exact total alpha (ST section 3.3)"),
+        choice(
+            "seed-by",
+            "primitive",
+            &["primitive", "object", "depth"],
+            "whose mask is one and the same (ST section 6); front and back faces differ in any case",
+        ),
+        choice(
+            "reseed",
+            "on",
+            &["on", "off"],
+            "new masks each frame, for accumulation over time; or noise that stands still, as the paper's",
+        ),
+        choice(
+            "dither",
+            "off",
+            &["off", "tile"],
+            "ξ drawn at random; or dithered over a tile of pixels by blue noise (ST section 3.1)",
+        ),
+        ParameterInfo {
+            key: "adaptive",
+            default: "0",
+            range: ParameterRange::Real(0.0, 1.0),
+            what: "passes end in a pixel whose brightness has a smaller standard error (ST section 6); 0: never",
+        },
+        choice(
+            "filter",
+            "none",
+            &["none", "bilateral"],
+            "blur of the transparent layer across pixels of similar total alpha (ST section 6)",
+        ),
+        RETRACE_PARAMETER,
+    ],
+    alignment_px: 1,
+};
+
+/// Rounds before adaptive passes may end: fewer agree by chance too often, and such a pixel would keep its error.
+const LEAST_ROUNDS: u32 = 4;
+/// ST section 6 leaves the filter's size open. Noise is independent from pixel to pixel, so a few neighbours do; total alpha has no noise, so
+/// steps as small as this are edges.
+const FILTER: LayerFilter = LayerFilter { radius_px: 2, sigma_px: 1.0, sigma_alpha: 0.05 };
+
+/// Stochastic transparency.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stochastic {
+    samples: Samples,
+    passes: u32,
+    masks: Masks,
+    estimator: Estimator,
+    is_corrected: bool,
+    retraces: bool,
+    /// Standard error below which passes end.
+    adaptive: f32,
+    filter: Option<LayerFilter>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Estimator {
+    /// A sample has the colour of its nearest fragment.
+    Basic,
+    /// A fragment counts by the samples that do not hide it.
+    Depth,
+}
+
+/// What a pass over all fragments is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Step {
+    /// Transmittance of each sample, exactly.
+    TotalAlpha,
+    /// Stochastic masks and a z-buffer of colours.
+    Colour { round: u32 },
+    /// Stochastic masks and a z-buffer alone.
+    Depth { round: u32 },
+    /// Colours weighted by visibility.
+    Accumulate,
+}
+
+impl Stochastic {
+    pub(crate) fn new(values: &Values) -> Self {
+        let placement = match values.text("placement") {
+            "box" => Placement::Box,
+            "gaussian" => Placement::Gaussian,
+            _ => Placement::Centre,
+        };
+        let estimator = if values.text("estimator") == "basic" { Estimator::Basic } else { Estimator::Depth };
+        Self {
+            samples: Samples { count: values.count("samples"), placement },
+            passes: values.count("passes"),
+            masks: Masks::new(values),
+            estimator,
+            is_corrected: values.text("correct") == "on",
+            retraces: values.text("retrace") == "on",
+            adaptive: values.real("adaptive"),
+            filter: (values.text("filter") == "bilateral").then_some(FILTER),
+        }
+    }
+
+    pub(crate) fn accept<V: Visitor>(&self, visitor: V) -> V::Output {
+        visitor.compositing(self)
+    }
+
+    fn step(&self, pass: usize) -> Step {
+        let pass = pass as u32;
+        match (self.is_corrected, self.estimator) {
+            (true, _) if pass == 0 => Step::TotalAlpha,
+            (corrected, Estimator::Basic) => Step::Colour { round: pass - u32::from(corrected) },
+            (corrected, Estimator::Depth) => match pass - u32::from(corrected) {
+                pass if pass.is_multiple_of(2) => Step::Depth { round: pass / 2 },
+                _ => Step::Accumulate,
+            },
+        }
+    }
+
+    /// Shared part of all steps with masks: the samples that a fragment wins. `seen` are those that hide it by nothing yet.
+    fn winning(&self, pixel: &Pixel, round: u32, fragment: &Fragment<'_>) -> u64 {
+        let seen = pixel.seen(fragment);
+        // Samples that it does not cover count as seen: so that triangles which share the samples of a pixel share the strata, too.
+        let unhidden = seen | !fragment.coverage;
+        seen & self.masks.mask(&pixel.site, fragment, round, unhidden)
+    }
+
+    /// Colour of the transparent layer, premultiplied, from sums over samples and rounds: A, B, D or U of ST section 4.
+    fn estimate(&self, pixel: &Pixel, sums: Sums, rounds: u32) -> Vec3 {
+        if !self.is_corrected {
+            return sums.rgb / (rounds * self.samples.count).max(1) as f32;
+        }
+        // Filtered first, then divided (ST section 4.2); a pixel without any winner stays empty (4.1).
+        if sums.ones > 0.0 { pixel.total_alpha(self.samples.count) / sums.ones * sums.rgb } else { Vec3::ZERO }
+    }
+
+    /// The sums of the round that is under way.
+    fn round_sums(&self, pixel: &Pixel) -> Sums {
+        match self.estimator {
+            Estimator::Basic => pixel.winners(self.samples.count),
+            Estimator::Depth => pixel.accumulated,
+        }
+    }
+}
+
+/// Of colours, and of the same with all colours 1 (ST section 4: F(B) and F(B₁), F(U) and F(U₁), times the number of samples).
+#[derive(Clone, Copy, Debug, Default)]
+struct Sums {
+    rgb: Vec3,
+    ones: f32,
+}
+
+impl std::ops::Add for Sums {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self { rgb: self.rgb + other.rgb, ones: self.ones + other.ones }
+    }
+}
+
+impl Compositing for Stochastic {
+    type Pixel = Pixel;
+
+    fn gathering(&self) -> Gathering {
+        Gathering::Unordered { each_pass: self.retraces }
+    }
+
+    fn samples(&self) -> Samples {
+        self.samples
+    }
+
+    fn pass_count(&self) -> usize {
+        let passes_a_round = match self.estimator {
+            Estimator::Basic => 1,
+            Estimator::Depth => 2,
+        };
+        usize::from(self.is_corrected) + passes_a_round * self.passes as usize
+    }
+
+    fn pass_name(&self, pass: usize) -> &'static str {
+        match self.step(pass) {
+            Step::TotalAlpha => "total alpha",
+            Step::Colour { .. } => "stochastic colour",
+            Step::Depth { .. } => "stochastic depth",
+            Step::Accumulate => "accumulate",
+        }
+    }
+
+    fn is_order_independent(&self) -> bool {
+        self.masks.is_order_independent()
+    }
+
+    fn memory(&self) -> Memory {
+        // A sample: depth in 4 bytes, colour and alpha in four 16-bit floats, exact total alpha in one.
+        Memory::Bounded(self.samples.count * (4 + 8 + if self.is_corrected { 2 } else { 0 }))
+    }
+
+    fn layer_filter(&self) -> Option<LayerFilter> {
+        self.filter
+    }
+
+    fn begin(&self, site: &PixelSite) -> Pixel {
+        Pixel::new(site)
+    }
+
+    fn begin_pass(&self, pixel: &mut Pixel, pass: usize) -> ControlFlow<()> {
+        let (Step::Colour { round } | Step::Depth { round }) = self.step(pass) else {
+            return ControlFlow::Continue(());
+        };
+        if round > 0 {
+            let sums = self.round_sums(pixel);
+            if self.adaptive > 0.0 {
+                pixel.brightness.add(luminance(self.estimate(pixel, sums, 1)));
+            }
+            pixel.end_round(sums, self.samples.count);
+            if round >= LEAST_ROUNDS && pixel.brightness.standard_error() < self.adaptive {
+                return ControlFlow::Break(());
+            }
+        }
+        pixel.begin_round();
+        ControlFlow::Continue(())
+    }
+
+    fn add(
+        &self,
+        pixel: &mut Pixel,
+        pass: usize,
+        fragment: &Fragment<'_>,
+        shade: impl FnOnce() -> Vec3,
+    ) -> ControlFlow<()> {
+        match self.step(pass) {
+            Step::TotalAlpha => pixel.dim(fragment),
+            Step::Depth { round } => {
+                let won = self.winning(pixel, round, fragment);
+                pixel.write_depth(fragment, won);
+            }
+            Step::Colour { round } => {
+                let won = self.winning(pixel, round, fragment);
+                if won != 0 {
+                    pixel.write_depth(fragment, won);
+                    let rgb = shade();
+                    covered(won).for_each(|sample| pixel.shown[sample] = rgb);
+                }
+            }
+            Step::Accumulate => {
+                // visibility · α · colour (ST Eq. 6), the visibility by counting samples (Eq. 4).
+                let weight = fragment.alpha * pixel.unhidden_count(fragment) as f32;
+                if weight > 0.0 {
+                    let Sums { rgb, ones } = pixel.accumulated;
+                    pixel.accumulated = Sums { rgb: rgb + weight * shade(), ones: ones + weight };
+                }
+            }
+        }
+        ControlFlow::Continue(())
+    }
+
+    fn transmittance(&self, pixel: &Pixel, sample: usize) -> f32 {
+        if self.is_corrected { pixel.transmittance[sample] } else { pixel.empty_share(sample) }
+    }
+
+    fn resolve(&self, pixel: &Pixel) -> Vec3 {
+        // Passes that have ended early have handed over their last round already.
+        let last = if pixel.is_in_round { self.round_sums(pixel) } else { Sums::default() };
+        self.estimate(pixel, pixel.sums + last, pixel.rounds())
+    }
+}
