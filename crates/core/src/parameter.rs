@@ -88,6 +88,21 @@ impl Values {
         Ok(Self { known: known.to_vec(), given })
     }
 
+    /// The same with other defaults for some keys: what was given stays.
+    ///
+    /// # Panics
+    /// If a key is not known or its value not in its range: a slip of the program, not of its user.
+    #[must_use]
+    pub fn with_defaults(mut self, defaults: &[(&str, &'static str)]) -> Self {
+        for &(key, default) in defaults {
+            let known = self.known.iter_mut().find(|parameter| parameter.key == key);
+            let parameter = known.expect("only parameters of the own table get other defaults");
+            assert!(parameter.range.holds(default), "{key}={default}");
+            parameter.default = default;
+        }
+        self
+    }
+
     /// A parameter's value as it was given, or its default.
     ///
     /// # Panics
@@ -138,6 +153,13 @@ mod tests {
     fn what_is_not_given_has_its_default() {
         let values = Values::parse(KNOWN, "hash=mcguire").unwrap();
         assert_eq!((values.count("count"), values.text("hash")), (3, "mcguire"));
+    }
+
+    #[test]
+    fn other_defaults_yield_to_what_is_given() {
+        let values = Values::parse(KNOWN, "count=5").unwrap();
+        let values = values.with_defaults(&[("count", "2"), ("hash", "mcguire")]);
+        assert_eq!((values.count("count"), values.text("hash")), (5, "mcguire"));
     }
 
     #[test]

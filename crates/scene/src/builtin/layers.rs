@@ -36,17 +36,34 @@ pub(super) const PARAMETERS: &[ParameterInfo] = &[
         range: ParameterRange::Real(0.0, 1.0),
         what: "linear grey behind the layers; with red-green, the strength of the blue",
     },
+    ParameterInfo {
+        key: "preset",
+        default: "none",
+        range: ParameterRange::Choice(&["none", "example-1", "example-2"]),
+        what: "other defaults for the other keys: those of Example 1 or 2 of ST section 3.1; a key that is given wins",
+    },
     SEED,
 ];
+
+/// The defaults that a preset brings (ST section 3.1).
+fn preset(word: &str) -> &'static [(&'static str, &'static str)] {
+    match word {
+        // Red over green over blue: (0.45, 0.2475, 0.3025).
+        "example-1" => &[("count", "2"), ("alpha", "0.45"), ("colours", "red-green"), ("background", "1.0")],
+        // Four sheets of white paper over grey: 0.7627.
+        "example-2" => &[("count", "4"), ("alpha", "0.25"), ("colours", "white"), ("background", "0.25")],
+        _ => &[],
+    }
+}
 
 /// What colours the layers of the scene `layers` have.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LayerColours {
-    /// White over grey; `count=4,alpha=0.25,background=0.25` is Example 2 of ST section 3.1.
+    /// White over grey, as in Example 2 of ST section 3.1.
     White,
     /// Hues around the colour circle, red in front, over grey.
     Rainbow,
-    /// Red, green, red… over blue; `count=2,alpha=0.45,background=1` is Example 1 of ST section 3.1.
+    /// Red, green, red… over blue, as in Example 1 of ST section 3.1.
     RedGreen,
 }
 
@@ -98,6 +115,7 @@ const HALF_EXTENT: Vec2 = Vec2::new(32.0, 2.0);
 const SPACING: f32 = 0.25;
 
 pub(super) fn build(values: &Values) -> Result<Scene, SceneError> {
+    let values = values.clone().with_defaults(preset(values.text("preset")));
     let (count, alpha) = (values.count("count"), values.real("alpha"));
     let colours = LayerColours::from_word(values.text("colours")).expect("checked against its range");
     let mut stage = Stage::new("layers", Environment::black());
@@ -146,6 +164,23 @@ mod tests {
     use super::*;
     use crate::builtin;
 
+    /// Colour and opacity of every sheet of the scene, from the back to the front.
+    fn sheets(text: &str) -> Vec<Straight> {
+        let scene = builtin::build(text).unwrap();
+        let mut sheets: Vec<(f32, Straight)> = Vec::new();
+        for instance in &scene.parts().instances {
+            let depth = scene.parts().nodes[instance.node as usize].transform.to_affine().translation.z;
+            let mesh = &scene.parts().meshes[instance.mesh as usize];
+            sheets.push((depth, scene.parts().materials[mesh.material as usize].base_colour.into()));
+        }
+        sheets.sort_by(|a, b| a.0.total_cmp(&b.0));
+        sheets.into_iter().map(|(_, sheet)| sheet).collect()
+    }
+
+    fn composited(sheets: &[Straight]) -> Premul {
+        sheets.iter().fold(Premul::CLEAR, |back, sheet| sheet.to_premul().over(back))
+    }
+
     #[test]
     fn the_closed_form_is_what_over_gives_for_the_layers_of_the_scene() {
         for (text, colours) in [
@@ -154,21 +189,32 @@ mod tests {
             ("layers:count=21,alpha=0.1,background=0.8,colours=rainbow,seed=4", LayerColours::Rainbow),
             ("layers:count=2,alpha=0.45,background=1,colours=red-green", LayerColours::RedGreen),
         ] {
-            let scene = builtin::build(text).unwrap();
-            let mut sheets: Vec<(f32, Straight)> = Vec::new();
-            for instance in &scene.parts().instances {
-                let depth = scene.parts().nodes[instance.node as usize].transform.to_affine().translation.z;
-                let mesh = &scene.parts().meshes[instance.mesh as usize];
-                sheets.push((depth, scene.parts().materials[mesh.material as usize].base_colour.into()));
-            }
-            sheets.sort_by(|a, b| a.0.total_cmp(&b.0));
-            let over = sheets.iter().fold(Premul::CLEAR, |back, (_, sheet)| sheet.to_premul().over(back));
-            let count = scene.parts().instances.len() as u32 - 1;
-            let background = sheets[0].1.rgb.z;
-            let alpha = sheets[1].1.alpha;
-            let closed = layers_closed_form(count, alpha, colours, background);
+            let sheets = sheets(text);
+            let over = composited(&sheets);
+            let count = sheets.len() as u32 - 1;
+            let closed = layers_closed_form(count, sheets[1].alpha, colours, sheets[0].rgb.z);
             assert!((over.rgb - closed).abs().max_element() < 1e-5, "{text}: {over:?} {closed}");
             assert!((over.alpha - 1.0).abs() < 1e-6);
+        }
+    }
+
+    #[test]
+    fn the_presets_are_the_papers_examples() {
+        let first = composited(&sheets("layers:preset=example-1,seed=5"));
+        assert!((first.rgb - Vec3::new(0.45, 0.2475, 0.3025)).abs().max_element() < 1e-6, "{first:?}");
+        let second = composited(&sheets("layers:preset=example-2"));
+        // The paper prints four digits.
+        assert!((second.rgb - Vec3::splat(0.7627)).abs().max_element() < 5e-5, "{second:?}");
+        // Negative control: without a preset the scene is another one.
+        assert_ne!(sheets("layers:preset=none").len(), sheets("layers:preset=example-2").len());
+    }
+
+    #[test]
+    fn a_key_that_is_given_wins_over_the_preset_wherever_it_stands() {
+        for text in ["layers:alpha=0.3,preset=example-1", "layers:preset=example-1,alpha=0.3"] {
+            let over = composited(&sheets(text));
+            let closed = layers_closed_form(2, 0.3, LayerColours::RedGreen, 1.0);
+            assert!((over.rgb - closed).abs().max_element() < 1e-6, "{text}: {over:?} {closed}");
         }
     }
 
