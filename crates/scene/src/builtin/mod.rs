@@ -14,6 +14,8 @@ mod foliage;
 mod furniture;
 mod house;
 mod layers;
+mod mechanical;
+mod motor;
 mod paint;
 mod palette;
 mod pane;
@@ -86,6 +88,13 @@ pub fn catalogue() -> &'static [BuiltinInfo] {
             source: "ST Fig. 8",
             parameters: plume::PARAMETERS,
             build: plume::build,
+        },
+        BuiltinInfo {
+            name: "motor",
+            title: "a glassy CAD model of a V engine at work, transparent all over",
+            source: "ST Fig. 2 and 4",
+            parameters: motor::PARAMETERS,
+            build: motor::build,
         },
     ]
 }

@@ -10,7 +10,10 @@ use crate::{
     SceneError,
     camera::Camera,
     environment::Environment,
-    model::{Filter, Instance, Light, LightKind, Material, Mesh, Node, SceneParts, Texture, Transform, Wrap},
+    model::{
+        Animation, Channel, Filter, Instance, Light, LightKind, Material, Mesh, Node, SceneParts, Texture,
+        Track, Transform, Wrap,
+    },
     particle::ParticleSystem,
     scene::Scene,
 };
@@ -62,6 +65,21 @@ impl Stage {
     /// Places a prop as one object: its meshes share an object id.
     pub(super) fn place(&mut self, prop: &Prop, world_from_object: Affine3A) {
         let node = self.node(&prop.name, Transform::Matrix(world_from_object));
+        self.draw(prop, node);
+    }
+
+    /// Places a prop as one object that moves: the clip plays all tracks at once.
+    pub(super) fn place_moving(&mut self, prop: &Prop, rest: Transform, tracks: Vec<Track>) {
+        let node = self.node(&prop.name, rest);
+        self.draw(prop, node);
+        if self.parts.animations.is_empty() {
+            self.parts.animations.push(Animation { name: "clip".to_owned(), channels: Vec::new() });
+        }
+        let channels = tracks.into_iter().map(|track| Channel { node, track });
+        self.parts.animations[0].channels.extend(channels);
+    }
+
+    fn draw(&mut self, prop: &Prop, node: u32) {
         let id = self.parts.instances.last().map_or(0, |last| last.id + 1);
         self.parts.instances.extend((0..).zip(&prop.meshes).map(|(geometry, &mesh)| Instance {
             node,
