@@ -78,7 +78,7 @@ pub struct Surface {
     pub previous_position: Vec3,
     /// Unit normal of the triangle, towards the viewer.
     pub geometric_normal: Vec3,
-    /// Unit normal for shading, towards the viewer's side.
+    /// Unit normal for shading, towards the viewer's side; of a fibre its direction.
     pub normal: Vec3,
     /// Which side is seen.
     pub side: FaceSide,
@@ -325,7 +325,7 @@ impl Frame {
             model: material.model,
         };
         self.apply_textures(material, &attributes, &mut surface);
-        if side == FaceSide::Back && surface.model != ShadingModel::Smoke {
+        if side == FaceSide::Back && !matches!(surface.model, ShadingModel::Smoke | ShadingModel::Fibre) {
             surface.normal = -surface.normal;
         }
         surface

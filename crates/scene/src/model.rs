@@ -178,6 +178,9 @@ pub enum ShadingModel {
     Unlit,
     /// A puff of smoke: light wraps around a sphere inscribed in the quad and shines through it.
     Smoke,
+    /// A thin fibre, of hair or grass: what stands in the place of vertex normals is the direction it runs in, and light meets it from all
+    /// around.
+    Fibre,
 }
 
 /// What the alpha of a surface means (glTF 2.0, 3.9.4).

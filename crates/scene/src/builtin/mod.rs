@@ -8,10 +8,13 @@ use sheer_core::parameter::{ParameterInfo, ParameterRange, Values, split_name};
 
 use crate::{SceneError, scene::Scene};
 
+mod body;
 mod calibration;
 mod chance;
 mod foliage;
 mod furniture;
+mod hair;
+mod hairball;
 mod house;
 mod layers;
 mod mechanical;
@@ -95,6 +98,13 @@ pub fn catalogue() -> &'static [BuiltinInfo] {
             source: "ST Fig. 2 and 4",
             parameters: motor::PARAMETERS,
             build: motor::build,
+        },
+        BuiltinInfo {
+            name: "hairball",
+            title: "a sitting puppy under 300,000 transparent hairs",
+            source: "ST Fig. 7",
+            parameters: hairball::PARAMETERS,
+            build: hairball::build,
         },
     ]
 }

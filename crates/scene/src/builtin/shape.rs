@@ -55,6 +55,22 @@ impl Model {
         shape
     }
 
+    /// A model of one shape.
+    pub(super) fn from_shape(material: u32, shape: Shape) -> Self {
+        Self { shapes: BTreeMap::from([(material, shape)]) }
+    }
+
+    /// Colours every vertex of a material by what `colour` says of its position and normal.
+    pub(super) fn tint(&mut self, material: u32, colour: impl Fn(Vec3, Vec3) -> Vec3) {
+        if let Some(shape) = self.shapes.get_mut(&material) {
+            for ((own, &position), &normal) in
+                shape.colours.iter_mut().zip(&shape.positions).zip(&shape.normals)
+            {
+                *own = colour(position, normal).extend(own.w);
+            }
+        }
+    }
+
     /// Adds another model, moved.
     pub(super) fn append(&mut self, other: &Self, self_from_other: Affine3A) {
         for (&material, shape) in &other.shapes {
@@ -235,6 +251,11 @@ impl Shape {
                 self.indices.extend([[at, at + 1, at + ring + 1], [at, at + ring + 1, at + ring]]);
             }
         }
+    }
+
+    /// Gives every vertex the brush of another shape.
+    pub(super) fn repaint(&mut self, like: &Self) {
+        self.colours.fill(like.brush);
     }
 
     /// Adds another shape, moved and tinted with the brush it was painted with.
