@@ -109,7 +109,7 @@ impl Form {
 }
 
 /// Profile of a ball of this radius around a height, from one sine of latitude to another.
-fn arc(radius: f32, height: f32, low: f32, high: f32, steps: u32) -> Vec<(f32, f32)> {
+pub(super) fn arc(radius: f32, height: f32, low: f32, high: f32, steps: u32) -> Vec<(f32, f32)> {
     let (from, to) = (low.asin(), high.asin());
     let latitude = |step: u32| from + (to - from) * step as f32 / steps as f32;
     let point = |step: u32| (radius * latitude(step).cos().max(0.0), height + radius * latitude(step).sin());

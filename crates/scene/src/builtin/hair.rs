@@ -4,7 +4,8 @@
 //! A ribbon does not turn towards the camera: it twists on its way instead, so that no hair is seen edge-on all along, and its shadow is as
 //! thin as itself.
 
-use glam::{Quat, Vec2, Vec3, Vec4};
+use glam::{IVec3, Quat, Vec2, Vec3, Vec4};
+use sheer_core::hash::{pcg4d, unit_from_bits};
 
 use super::shape::{Shape, Vertex};
 use crate::model::{AlphaMode, Material, ShadingModel};
@@ -57,6 +58,35 @@ pub(super) fn ribbon(shape: &mut Shape, strand: &Strand<'_>, colour: impl Fn(f32
     }
     let at = first + 2 * last as u32;
     shape.indices.push([at - 2, at - 1, at]);
+}
+
+/// Hairs that keep together.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Tuft {
+    /// Near the middle of their roots.
+    pub(super) centre: Vec3,
+    /// What they share, 0 to 1.
+    pub(super) luck: [f32; 4],
+}
+
+/// The tuft of a root: points are strewn through space, one a cell of this size, and the nearest one counts.
+pub(super) fn tuft(root: Vec3, size: f32, seed: u32) -> Tuft {
+    let cell = (root / size).floor().as_ivec3();
+    let mut best = (f32::MAX, Vec3::ZERO, IVec3::ZERO);
+    for index in 0..27 {
+        let at = cell + IVec3::new(index % 3 - 1, index / 3 % 3 - 1, index / 9 - 1);
+        let [x, y, z, _] = luck(at, seed);
+        let centre = (at.as_vec3() + Vec3::new(x, y, z)) * size;
+        let distance = centre.distance_squared(root);
+        if distance < best.0 {
+            best = (distance, centre, at);
+        }
+    }
+    Tuft { centre: best.1, luck: luck(best.2, seed ^ 0x9e37_79b9) }
+}
+
+fn luck(cell: IVec3, seed: u32) -> [f32; 4] {
+    pcg4d([cell.x as u32, cell.y as u32, cell.z as u32, seed]).map(unit_from_bits)
 }
 
 /// The material of hair: everything else is in the colours of its vertices.

@@ -5,13 +5,12 @@
 
 use std::f32::consts::TAU;
 
-use glam::{IVec3, Vec3, Vec4};
+use glam::{Affine3A, EulerRot, Quat, Vec3};
 use rayon::prelude::*;
-use sheer_core::hash::{pcg4d, unit_from_bits};
 
 use super::{
     ParameterInfo, ParameterRange, SEED, Values,
-    body::{Body, Form},
+    body::{Body, Form, arc},
     chance::Chance,
     hair::{self, Strand},
     paint::smoothstep,
@@ -57,12 +56,10 @@ const YFOV_RAD: f32 = 0.50;
 
 /// The middle of an eye: `side` is 1 for the one at +X.
 fn eye(side: f32) -> Vec3 {
-    Vec3::new(side * 0.078, 0.922, 0.282)
+    Vec3::new(side * 0.080, 0.918, 0.280)
 }
 
 pub(super) fn build(values: &Values) -> Result<Scene, SceneError> {
-    let towards_key = Vec3::new(-0.62, 0.72, 0.62).normalize();
-    let towards_rim = Vec3::new(0.75, 0.62, -0.80).normalize();
     let lobe = |x: f32, y: f32, z: f32, radiance: Vec3, sharpness: f32| Lobe {
         direction: Vec3::new(x, y, z).normalize(),
         radiance,
@@ -72,21 +69,24 @@ pub(super) fn build(values: &Values) -> Result<Scene, SceneError> {
         "hairball",
         Environment {
             zenith: Vec3::new(0.34, 0.37, 0.42),
-            horizon: Vec3::new(0.30, 0.30, 0.31),
-            ground: Vec3::new(0.16, 0.13, 0.11),
+            horizon: Vec3::new(0.36, 0.355, 0.35),
+            ground: Vec3::new(0.24, 0.20, 0.17),
             lobes: vec![
                 lobe(-0.7, 0.8, 0.9, Vec3::new(2.6, 2.3, 1.9), 14.0),
                 lobe(0.9, 0.3, 0.7, Vec3::new(0.35, 0.42, 0.55), 4.0),
+                // What glints in the eyes.
+                lobe(-0.75, 0.75, 1.0, Vec3::splat(40.0), 260.0),
             ],
         },
     );
-    stage.sun(towards_key, Vec3::new(3.9, 3.5, 2.9));
-    stage.sun(towards_rim, Vec3::new(2.0, 2.1, 2.4));
+    let (key, rim, middle) = (Vec3::new(-3.4, 3.6, 2.2), Vec3::new(1.9, 2.2, -2.1), Vec3::Y * 0.55);
+    stage.spot("key", key, middle, Vec3::new(106.0, 95.0, 79.0), [0.20, 0.62]);
+    stage.spot("rim", rim, middle, Vec3::new(52.0, 50.0, 50.0), [0.16, 0.30]);
     put_room(&mut stage);
     put_puppy(&mut stage);
     put_coat(&mut stage, values);
 
-    let (eye, target) = (Vec3::new(-0.95, 0.86, 2.75), Vec3::new(0.03, 0.585, 0.0));
+    let (eye, target) = (Vec3::new(-0.95, 0.86, 2.75), Vec3::new(-0.06, 0.565, 0.0));
     let lens = Lens::Perspective { yfov_rad: YFOV_RAD };
     stage.camera(Camera::fixed("static", YFOV_RAD, eye, target));
     stage.camera(Camera::orbit(lens, Vec3::new(0.0, 0.56, 0.0), Vec3::new(-0.95, 0.86, 2.75)));
@@ -111,20 +111,27 @@ fn put_room(stage: &mut Stage) {
     let plain = |name: &str, roughness| Material { name: name.to_owned(), roughness, ..Material::default() };
     let paper = stage.material(plain("paper", 0.95));
     let mut room = Model::default();
-    let mut profile: Vec<(f32, f32)> = vec![(6.0, 5.0)];
+    let mut profile: Vec<(f32, f32)> = vec![(7.0, 2.2)];
     let bend = 1.6;
     profile.extend((0..=12).map(|step| {
         let (sin, cos) = (step as f32 / 12.0 * 0.25 * TAU).sin_cos();
-        (6.0 - bend + bend * cos, bend - bend * sin)
+        (7.0 - bend + bend * cos, bend - bend * sin)
     }));
     profile.push((0.0, 0.0));
     room.paint(paper, Vec3::new(0.20, 0.33, 0.34)).lathe(Vec3::ZERO, &profile, 96);
     stage.put("room", room);
-    let wood = stage.material(plain("lacquer", 0.35));
-    let mut plinth = Model::default();
-    let profile = [(0.80, 0.0), (0.80, 0.055), (0.785, 0.07), (0.0, 0.07)];
-    plinth.paint(wood, Vec3::new(0.36, 0.19, 0.10)).lathe(Vec3::NEG_Y * 0.07, &profile, 96);
-    let _ = plinth;
+    // A ball to play with.
+    let rubber = stage.material(plain("rubber", 0.4));
+    let (middle, radius) = (Vec3::new(-0.56, 0.12, 0.10), 0.12);
+    let mut ball = Shape::default();
+    ball.lathe(Vec3::ZERO, &arc(radius, 0.0, -1.0, 1.0, 48), 96);
+    let mut toy = Model::from_shape(rubber, ball);
+    toy.tint(rubber, |p, _| {
+        let band = smoothstep(0.030, 0.033, p.y.abs());
+        Vec3::new(0.86, 0.80, 0.66).lerp(Vec3::new(0.62, 0.07, 0.045), band)
+    });
+    let turn = Quat::from_euler(EulerRot::XYZ, 0.5, 0.0, 0.45);
+    stage.put_at("ball", toy, Affine3A::from_rotation_translation(turn, middle));
 }
 
 fn limb(from: Vec3, to: Vec3, radius_from: f32, radius_to: f32) -> Form {
@@ -140,7 +147,7 @@ fn body() -> Body {
         limb(v(0.0, 0.30, -0.13), v(0.0, 0.55, 0.05), 0.205, 0.175),
         ball(v(0.0, 0.49, 0.10), v(0.175, 0.20, 0.155)),
         limb(v(0.0, 0.60, 0.06), v(0.0, 0.78, 0.09), 0.15, 0.145),
-        ball(v(0.0, 0.90, 0.12), v(0.190, 0.168, 0.180)),
+        ball(v(0.0, 0.90, 0.12), v(0.205, 0.178, 0.185)),
         limb(v(0.0, 0.850, 0.24), v(0.0, 0.838, 0.352), 0.080, 0.060),
         // The tail, curled around the right side.
         limb(v(0.02, 0.10, -0.38), v(0.24, 0.09, -0.42), 0.060, 0.062),
@@ -149,7 +156,7 @@ fn body() -> Body {
     ];
     for side in [-1.0, 1.0] {
         forms.extend([
-            ball(v(side * 0.090, 0.852, 0.190), v(0.090, 0.085, 0.090)),
+            ball(v(side * 0.105, 0.850, 0.175), v(0.098, 0.090, 0.098)),
             limb(v(side * 0.105, 0.44, 0.12), v(side * 0.112, 0.08, 0.235), 0.080, 0.055),
             ball(v(side * 0.115, 0.045, 0.275), v(0.066, 0.046, 0.088)),
             ball(v(side * 0.205, 0.19, -0.05), v(0.115, 0.185, 0.200)),
@@ -164,7 +171,7 @@ fn body() -> Body {
 fn put_puppy(stage: &mut Stage) {
     let matt = |name: &str, roughness| Material { name: name.to_owned(), roughness, ..Material::default() };
     let skin = stage.material(matt("skin", 0.9));
-    let wet = stage.material(matt("wet", 0.12));
+    let wet = stage.material(matt("wet", 0.05));
     let tongue = stage.material(matt("tongue", 0.35));
     let mut model = Model::default();
     let body = body();
@@ -196,7 +203,7 @@ struct Coat {
 }
 
 const FAWN: Vec3 = Vec3::new(0.78, 0.34, 0.11);
-const CREAM: Vec3 = Vec3::new(0.96, 0.86, 0.68);
+const CREAM: Vec3 = Vec3::new(0.98, 0.87, 0.66);
 const SABLE: Vec3 = Vec3::new(0.10, 0.055, 0.035);
 
 fn coat_at(p: Vec3, n: Vec3) -> Coat {
@@ -227,16 +234,16 @@ fn coat_at(p: Vec3, n: Vec3) -> Coat {
     let sable = (0.75 * back).max(smoothstep(1.10, 1.15, p.y));
     let colour = FAWN.lerp(SABLE, sable).lerp(CREAM, cream);
 
-    let mut length = 0.075;
+    let mut length = 0.105;
     for (share, of) in [
-        (ruff, 0.125),
-        (head, 0.055),
-        (face, 0.030),
-        (muzzle, 0.011),
-        (leg, 0.045),
-        (low * (1.0 - tail), 0.026),
-        (ear, 0.040),
-        (tail, 0.105),
+        (ruff, 0.165),
+        (head, 0.078),
+        (face, 0.036),
+        (muzzle, 0.013),
+        (leg, 0.065),
+        (low * (1.0 - tail), 0.034),
+        (ear, 0.050),
+        (tail, 0.15),
     ] {
         length += (of - length) * share;
     }
@@ -302,7 +309,7 @@ fn add_hair(shape: &mut Shape, chance: &mut Chance, body: &Body, seed: u32, widt
     };
     hair::ribbon(shape, &strand, |way| {
         // The undercoat is darker, and little light gets down to it.
-        let colour = tip * (0.38 + 0.62 * smoothstep(0.0, 0.65, way));
+        let colour = tip * (0.42 + 0.58 * smoothstep(-0.1, 0.6, way));
         colour.extend(alpha * (1.0 - 0.85 * way * way))
     });
 }
@@ -333,11 +340,10 @@ fn grow(
     let length = coat.length * chance.between(0.65, 1.1) * if stray { 1.25 } else { 1.0 };
     let step = length / SEGMENTS as f32;
     let wander = chance.gaussian() * if stray { 0.5 } else { 0.16 };
-    let tuft = tuft_centre(root, 0.035 + 0.12 * coat.length, seed);
-    let inward = tuft - root;
+    let inward = hair::tuft(root, 0.035 + 0.12 * coat.length, seed).centre - root;
     let inward = inward - normal * normal.dot(inward);
     let comb = coat.comb - normal * normal.dot(coat.comb);
-    let mut direction = (normal * 1.0 + comb * 0.55 + wander).normalize_or(normal);
+    let mut direction = (normal * 0.8 + comb * 0.7 + wander).normalize_or(normal);
     points[0] = root;
     for i in 1..=SEGMENTS {
         let way = i as f32 / SEGMENTS as f32;
@@ -353,20 +359,4 @@ fn grow(
         let lie = comb - field.away * field.away.dot(comb);
         direction = (direction + lie * 0.75 + wander * 0.5 + Vec3::NEG_Y * 0.10).normalize_or(direction);
     }
-}
-
-/// The nearest of points that are strewn through space, one a cell of this size: hairs that share one are a tuft.
-fn tuft_centre(p: Vec3, size: f32, seed: u32) -> Vec3 {
-    let cell = (p / size).floor().as_ivec3();
-    let mut best = (f32::MAX, p);
-    for index in 0..27 {
-        let at = cell + IVec3::new(index % 3 - 1, index / 3 % 3 - 1, index / 9 - 1);
-        let [x, y, z, _] = pcg4d([at.x as u32, at.y as u32, at.z as u32, seed]).map(unit_from_bits);
-        let point = (at.as_vec3() + Vec3::new(x, y, z)) * size;
-        let distance = point.distance_squared(p);
-        if distance < best.0 {
-            best = (distance, point);
-        }
-    }
-    best.1
 }

@@ -13,6 +13,8 @@ mod calibration;
 mod chance;
 mod foliage;
 mod furniture;
+mod girl;
+mod grass;
 mod hair;
 mod hairball;
 mod house;
@@ -28,6 +30,8 @@ mod smoke;
 mod smoke_square;
 mod square;
 mod stage;
+mod wind;
+mod windy_hill;
 
 pub use layers::{LayerColours, layers_closed_form};
 
@@ -105,6 +109,13 @@ pub fn catalogue() -> &'static [BuiltinInfo] {
             source: "ST Fig. 7",
             parameters: hairball::PARAMETERS,
             build: hairball::build,
+        },
+        BuiltinInfo {
+            name: "windy-hill",
+            title: "a girl on a hill in the wind: hairs, grass cards and cloth, all transparent, shadow one another",
+            source: "ST Fig. 1",
+            parameters: windy_hill::PARAMETERS,
+            build: windy_hill::build,
         },
     ]
 }

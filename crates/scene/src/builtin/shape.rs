@@ -60,6 +60,15 @@ impl Model {
         Self { shapes: BTreeMap::from([(material, shape)]) }
     }
 
+    /// Moves every vertex of a material to where `moved` says of its position and normal.
+    pub(super) fn warp(&mut self, material: u32, moved: impl Fn(Vec3, Vec3) -> Vec3) {
+        if let Some(shape) = self.shapes.get_mut(&material) {
+            for (position, &normal) in shape.positions.iter_mut().zip(&shape.normals) {
+                *position = moved(*position, normal);
+            }
+        }
+    }
+
     /// Colours every vertex of a material by what `colour` says of its position and normal.
     pub(super) fn tint(&mut self, material: u32, colour: impl Fn(Vec3, Vec3) -> Vec3) {
         if let Some(shape) = self.shapes.get_mut(&material) {

@@ -11,8 +11,8 @@ use crate::{
     camera::Camera,
     environment::Environment,
     model::{
-        Animation, Channel, Filter, Instance, Light, LightKind, Material, Mesh, Node, SceneParts, Texture,
-        Track, Transform, Wrap,
+        Animation, Channel, Filter, Instance, Keys, Light, LightKind, Material, Mesh, MorphTarget, Node,
+        SceneParts, Texture, Track, Transform, Wrap,
     },
     particle::ParticleSystem,
     scene::Scene,
@@ -65,21 +65,18 @@ impl Stage {
     /// Places a prop as one object: its meshes share an object id.
     pub(super) fn place(&mut self, prop: &Prop, world_from_object: Affine3A) {
         let node = self.node(&prop.name, Transform::Matrix(world_from_object));
-        self.draw(prop, node);
+        self.hang(prop, node);
     }
 
-    /// Places a prop as one object that moves: the clip plays all tracks at once.
+    /// Places a prop as one object that moves with the clip.
     pub(super) fn place_moving(&mut self, prop: &Prop, rest: Transform, tracks: Vec<Track>) {
         let node = self.node(&prop.name, rest);
-        self.draw(prop, node);
-        if self.parts.animations.is_empty() {
-            self.parts.animations.push(Animation { name: "clip".to_owned(), channels: Vec::new() });
-        }
-        let channels = tracks.into_iter().map(|track| Channel { node, track });
-        self.parts.animations[0].channels.extend(channels);
+        self.hang(prop, node);
+        self.move_by("clip", node, tracks);
     }
 
-    fn draw(&mut self, prop: &Prop, node: u32) {
+    /// Hangs a prop on a node, as an object of its own that goes where the node goes.
+    pub(super) fn hang(&mut self, prop: &Prop, node: u32) {
         let id = self.parts.instances.last().map_or(0, |last| last.id + 1);
         self.parts.instances.extend((0..).zip(&prop.meshes).map(|(geometry, &mesh)| Instance {
             node,
@@ -90,6 +87,54 @@ impl Stage {
             skin: None,
             morph_weights: Vec::new(),
         }));
+    }
+
+    /// Adds a node whose instances are mixed from their poses by these weights (see [`Self::sway`]).
+    pub(super) fn swaying_node(&mut self, name: &str, weights: Keys<Vec<f32>>) -> u32 {
+        let node = self.node(name, Transform::IDENTITY);
+        self.move_by(name, node, vec![Track::MorphWeights(weights)]);
+        node
+    }
+
+    /// Places a model as one object that sways: `poses` are the model at rest and then with each weight of the node at 1, vertex by vertex.
+    pub(super) fn sway(&mut self, name: &str, node: u32, poses: &[Model]) {
+        let Some((rest, extremes)) = poses.split_first() else { return };
+        let prop = self.prop(name, rest.clone());
+        let own = &mut self.parts.meshes[prop.meshes[0] as usize..];
+        for extreme in extremes {
+            for (mesh, (_, shape)) in own.iter_mut().zip(extreme.clone().into_shapes()) {
+                let minus =
+                    |pose: &[Vec3], rest: &[Vec3]| pose.iter().zip(rest).map(|(p, r)| *p - *r).collect();
+                mesh.morph_targets.push(MorphTarget {
+                    positions: minus(&shape.positions, &mesh.positions),
+                    normals: minus(&shape.normals, &mesh.normals),
+                });
+            }
+        }
+        let first = self.parts.instances.len();
+        self.hang(&prop, node);
+        let weights = vec![0.0; extremes.len()];
+        self.parts.instances[first..]
+            .iter_mut()
+            .for_each(|instance| instance.morph_weights = weights.clone());
+    }
+
+    /// Places a model that turns around a point of the world.
+    pub(super) fn spin(&mut self, name: &str, model: Model, around: Vec3, turns: Keys<Quat>) {
+        let prop = self.prop(name, model);
+        let node = self.node(name, Transform::from_translation(around));
+        self.move_by(name, node, vec![Track::Rotation(turns)]);
+        self.hang(&prop, node);
+    }
+
+    /// Adds tracks to the animation of that name, which loops by its longest.
+    fn move_by(&mut self, animation: &str, node: u32, tracks: Vec<Track>) {
+        let animations = &mut self.parts.animations;
+        let at = animations.iter().position(|known| known.name == animation).unwrap_or_else(|| {
+            animations.push(Animation { name: animation.to_owned(), channels: Vec::new() });
+            animations.len() - 1
+        });
+        animations[at].channels.extend(tracks.into_iter().map(|track| Channel { node, track }));
     }
 
     /// Adds a model and places it once, as it stands.
@@ -105,11 +150,24 @@ impl Stage {
 
     /// Adds the sun: `towards` points to it, `illuminance` is what it gives to a surface that faces it.
     pub(super) fn sun(&mut self, towards: Vec3, illuminance: Vec3) {
-        let back = towards.normalize();
+        let node = self.aimed("sun", Vec3::ZERO, towards);
+        self.light("sun", node, illuminance, LightKind::Directional);
+    }
+
+    /// Adds a spotlight that looks at a point, in candela; its cone is full inside the first angle and ends at the second.
+    pub(super) fn spot(&mut self, name: &str, at: Vec3, target: Vec3, candela: Vec3, cones_rad: [f32; 2]) {
+        let node = self.aimed(name, at, at - target);
+        let [inner_cone_rad, outer_cone_rad] = cones_rad;
+        let kind = LightKind::Spot { range: f32::INFINITY, inner_cone_rad, outer_cone_rad };
+        self.light(name, node, candela, kind);
+    }
+
+    /// A node whose -Z leads away from `back`.
+    fn aimed(&mut self, name: &str, translation: Vec3, back: Vec3) -> u32 {
+        let back = back.normalize();
         let right = Vec3::Y.cross(back).normalize();
         let rotation = Quat::from_mat3(&Mat3::from_cols(right, back.cross(right), back));
-        let node = self.node("sun", Transform::Trs { translation: Vec3::ZERO, rotation, scale: Vec3::ONE });
-        self.light("sun", node, illuminance, LightKind::Directional);
+        self.node(name, Transform::Trs { translation, rotation, scale: Vec3::ONE })
     }
 
     /// Adds a lamp that shines all around, in candela.

@@ -1,0 +1,461 @@
+//! `windy-hill`: a girl sits on a hill in the wind; hairs, grass cards, scarf and kite are transparent and shadow one another and what is
+//! opaque (ST Fig. 1).
+
+use std::f32::consts::{PI, TAU};
+
+use glam::{Affine3A, IVec2, Quat, Vec2, Vec3, Vec4};
+use rayon::prelude::*;
+
+use super::{
+    ParameterInfo, ParameterRange, SEED, Values,
+    body::Form,
+    chance::Chance,
+    foliage::{Habit, tree},
+    girl, grass, hair,
+    paint::{Noise, smoothstep},
+    palette::Palette,
+    shape::{Model, Shape},
+    smoke::{self, ATLAS},
+    stage::Stage,
+    wind::{self, Sway},
+};
+use crate::{
+    SceneError,
+    camera::{Camera, CameraKey, CameraMotion, Lens},
+    environment::{Environment, Lobe},
+    model::{AlphaMode, Material, ShadingModel, TextureRef},
+    particle::{Particle, ParticleSystem, Turbulence},
+    scene::Scene,
+};
+
+pub(super) const PARAMETERS: &[ParameterInfo] = &[
+    ParameterInfo {
+        key: "hairs",
+        default: "15000",
+        range: ParameterRange::Count(0, 200_000),
+        what: "how many hairs she has",
+    },
+    ParameterInfo {
+        key: "cards",
+        default: "6000",
+        range: ParameterRange::Count(0, 100_000),
+        what: "how many cards of grass and flowers there are",
+    },
+    ParameterInfo {
+        key: "alpha",
+        default: "0.5",
+        range: ParameterRange::Real(0.0, 1.0),
+        what: "opacity of hairs and cloth",
+    },
+    ParameterInfo {
+        key: "wind",
+        default: "1.0",
+        range: ParameterRange::Real(0.2, 1.5),
+        what: "its strength; 1 is a fresh breeze",
+    },
+    SEED,
+];
+
+const YFOV_RAD: f32 = 0.52;
+/// Hairs of an object: few enough that those of one seldom meet in a pixel.
+const LOCK_SIZE: u32 = 50;
+/// How far from the girl grass grows as cards, metres.
+const MEADOW_RADIUS: f32 = 6.5;
+/// Where she looks, as a turn around +Y from +Z: away from the camera and into the wind.
+const GIRL_TURN_RAD: f32 = -2.05;
+const EYE: Vec3 = Vec3::new(0.70, 0.86, 3.3);
+const TARGET: Vec3 = Vec3::new(0.62, 0.83, 0.0);
+const MILL: Vec3 = Vec3::new(-9.5, -5.0, -36.0);
+const KITE: Vec3 = Vec3::new(3.2, 2.25, -4.4);
+
+fn towards_sun() -> Vec3 {
+    Vec3::new(0.66, 0.52, -0.42).normalize()
+}
+
+fn sky() -> Environment {
+    Environment {
+        zenith: Vec3::new(0.055, 0.20, 0.62),
+        horizon: Vec3::new(0.70, 0.80, 0.88),
+        ground: Vec3::new(0.14, 0.17, 0.07),
+        lobes: vec![
+            Lobe { direction: towards_sun(), radiance: Vec3::new(1.1, 0.95, 0.7), sharpness: 7.0 },
+            Lobe { direction: towards_sun(), radiance: Vec3::new(6.0, 5.2, 3.8), sharpness: 140.0 },
+        ],
+    }
+}
+
+/// Blows towards +X and a little towards the camera.
+fn breeze(strength: f32) -> Vec3 {
+    Vec3::new(1.0, 0.0, 0.16).normalize() * strength
+}
+
+pub(super) fn build(values: &Values) -> Result<Scene, SceneError> {
+    let seed = values.count(SEED.key);
+    let mut stage = Stage::new("windy-hill", sky());
+    let palette = Palette::new(&mut stage, seed);
+    stage.sun(towards_sun(), Vec3::new(5.0, 4.4, 3.4));
+    put_land(&mut stage, &palette, seed);
+    put_mill(&mut stage, &palette);
+    put_props(&mut stage, &palette, seed);
+    put_clouds(&mut stage, seed);
+    let swaying = stage.swaying_node("wind", wind::weights());
+    put_girl(&mut stage, swaying, values);
+    put_kite(&mut stage, swaying, values);
+    put_grass(&mut stage, swaying, values);
+
+    let lens = Lens::Perspective { yfov_rad: YFOV_RAD };
+    stage.camera(Camera::fixed("static", YFOV_RAD, EYE, TARGET));
+    stage.camera(Camera::orbit(lens, Vec3::new(0.30, 0.78, 0.0), EYE));
+    let key = |time_secs, eye, target| CameraKey { time_secs, eye, target };
+    stage.camera(Camera {
+        name: "path".to_owned(),
+        lens,
+        motion: CameraMotion::Path {
+            keys: vec![
+                key(0.0, Vec3::new(1.9, 0.70, 3.6), Vec3::new(0.5, 0.80, 0.0)),
+                key(5.0, Vec3::new(0.7, 0.90, 2.6), Vec3::new(0.5, 0.84, 0.0)),
+                key(10.0, Vec3::new(-0.6, 1.05, 2.3), Vec3::new(0.3, 0.84, 0.0)),
+            ],
+        },
+    });
+    stage.finish()
+}
+
+/// Height of the ground: a rounded top, a valley, and ridges beyond it.
+fn ground(noise: Noise, x: f32, z: f32) -> f32 {
+    let radius = Vec2::new(x, z).length();
+    let top = -0.016 * radius * radius / (1.0 + 0.0022 * radius * radius);
+    let bumps =
+        0.05 * smoothstep(0.6, 2.5, radius) * noise.fractal(Vec2::new(x, z) / 24.0 + 0.5, IVec2::splat(6), 3);
+    let far = smoothstep(25.0, 60.0, radius);
+    let turn = z.atan2(x) / TAU + 0.5;
+    let relief = noise.fractal(Vec2::new(turn, 0.5 + radius / 400.0), IVec2::new(9, 5), 4);
+    top + bumps + far * (3.0 * relief + 12.0 * (0.55 + relief) * smoothstep(60.0, 120.0, radius))
+}
+
+fn put_land(stage: &mut Stage, palette: &Palette, seed: u32) {
+    let noise = Noise { seed: seed.wrapping_add(900) };
+    let mut land = Model::default();
+    let (rings, sides) = (64, 144);
+    // Ever wider rings, from under her out to the ridges.
+    let radius = |ring: u32| 140.0 * (ring as f32 / rings as f32).powf(2.6);
+    let point = |ring: u32, side: u32| {
+        let direction = Vec2::from_angle(TAU * side as f32 / sides as f32) * radius(ring);
+        Vec3::new(direction.x, ground(noise, direction.x, direction.y), direction.y)
+    };
+    let shape = land.paint(palette.meadow, Vec3::ONE);
+    for ring in 0..rings {
+        for side in 0..sides {
+            let [a, b, c, d] = [(ring, side + 1), (ring, side), (ring + 1, side), (ring + 1, side + 1)];
+            if ring == 0 {
+                shape.triangle([point(b.0, b.1), point(d.0, d.1), point(c.0, c.1)]);
+            } else {
+                shape.quad([a, b, c, d].map(|(ring, side)| point(ring, side)));
+            }
+        }
+    }
+    // Sunlit turf, drier patches, and air that turns what is far blue.
+    land.tint(palette.meadow, |p, _| {
+        let patch = noise.fractal(Vec2::new(p.x, p.z) / 280.0 + 0.5, IVec2::splat(14), 4);
+        let haze = smoothstep(25.0, 130.0, p.with_y(0.0).length());
+        let turf = Vec3::new(1.05, 1.25, 0.75) * (1.0 + 0.5 * patch);
+        turf.lerp(Vec3::new(1.9, 2.6, 4.8), 0.8 * haze)
+    });
+    stage.put("land", land);
+}
+
+/// A windmill on the next hill, its sails of cloth.
+fn put_mill(stage: &mut Stage, palette: &Palette) {
+    let mut mill = Model::default();
+    let wall = [(2.7, -2.0), (2.35, 1.5), (1.85, 5.0), (1.55, 7.4), (1.62, 7.5)];
+    mill.paint(palette.plaster, Vec3::new(0.92, 0.89, 0.82)).lathe(MILL, &wall, 40);
+    let cap = [(1.85, 7.45), (1.75, 7.8), (1.25, 8.7), (0.5, 9.4), (0.0, 9.6)];
+    mill.paint(palette.planks, Vec3::new(0.30, 0.12, 0.08)).lathe(MILL, &cap, 40);
+    let facing = (EYE - MILL).with_y(0.0).normalize();
+    let across = Vec3::Y.cross(facing);
+    let dark = mill.paint(palette.timber, Vec3::splat(0.14));
+    for height in [1.6, 4.6] {
+        let half = Vec3::Y * 0.55;
+        let at = MILL + facing * (2.45 - 0.15 * height) + Vec3::Y * height + across * 0.3;
+        dark.beam(at - half, at + half, across, 0.65, 0.3);
+    }
+    let hub = MILL + Vec3::Y * 8.1 + facing * 2.3;
+    let timber = mill.paint(palette.timber, Vec3::splat(0.5));
+    timber.beam(hub - facing * 1.6, hub + facing * 0.2, Vec3::Y, 0.28, 0.28);
+    stage.put("mill", mill);
+
+    let cloth = stage.material(Material {
+        name: "sailcloth".to_owned(),
+        base_colour: Vec4::new(0.92, 0.88, 0.78, 0.75),
+        alpha_mode: AlphaMode::Blend,
+        roughness: 0.9,
+        double_sided: true,
+        ..Material::default()
+    });
+    let mut sails = Model::default();
+    for blade in 0..4 {
+        let turn = Quat::from_axis_angle(facing, TAU * (blade as f32 / 4.0 + 0.09));
+        let (out, side) = (turn * Vec3::Y, turn * across);
+        let timber = sails.paint(palette.timber, Vec3::splat(0.45));
+        timber.beam(Vec3::ZERO, out * 5.6, side, 0.16, 0.16);
+        timber.beam(out * 1.1 + side * 1.25, out * 5.6 + side * 1.25, side, 0.08, 0.08);
+        for bar in 0..=9 {
+            let at = out * (1.1 + 0.5 * bar as f32);
+            timber.beam(at, at + side * 1.25, out, 0.06, 0.06);
+        }
+        sails.paint(cloth, Vec3::ONE).panel(
+            out * 1.1 + facing * 0.06,
+            side * 1.25,
+            out * 4.5 + facing * 0.25,
+        );
+    }
+    stage.spin("sails", sails, hub, wind::turns(facing));
+}
+
+/// What stands still near her: boulders, a fence, a tree.
+fn put_props(stage: &mut Stage, palette: &Palette, seed: u32) {
+    let mut chance = Chance::new(seed, "windy hill");
+    let noise = Noise { seed: seed.wrapping_add(900) };
+    let on_ground = |x: f32, z: f32| Vec3::new(x, ground(noise, x, z), z);
+    let stone = stage.material(Material { name: "stone".to_owned(), roughness: 0.9, ..Material::default() });
+    let mut stones = Model::default();
+    for (x, z, size) in [(1.42, -0.62, 0.27), (1.75, -0.35, 0.14), (-1.35, 0.35, 0.19), (-1.05, 0.55, 0.10)] {
+        let radii = Vec3::new(1.0, 0.7, 0.85) * size;
+        Form::Ellipsoid { centre: on_ground(x, z) + Vec3::Y * (0.2 * size), radii }
+            .mesh(stones.paint(stone, Vec3::ONE), 0.0);
+    }
+    stones.warp(stone, |p, n| {
+        let at = Vec2::new(p.x + 0.7 * p.y, p.z - 0.6 * p.y);
+        let lump = noise.fractal(at / 4.0 + 0.5, IVec2::splat(9), 4);
+        p + n * (0.10 * lump)
+    });
+    stones.tint(stone, |p, n| {
+        let at = Vec2::new(p.x + 0.7 * p.y, p.z - 0.6 * p.y);
+        let lichen = smoothstep(0.05, 0.35, noise.fractal(at / 2.0 + 0.25, IVec2::splat(16), 4));
+        let grey = Vec3::new(0.36, 0.34, 0.31).lerp(Vec3::new(0.50, 0.48, 0.26), 0.7 * lichen);
+        grey * (0.6 + 0.4 * smoothstep(-0.6, 0.6, n.y))
+    });
+    stage.put("stones", stones);
+
+    let mut fence = Model::default();
+    let wood = fence.paint(palette.timber, Vec3::new(0.62, 0.56, 0.50));
+    let post = |index: i32| on_ground(-3.4 + 1.35 * index as f32, -2.9 - 0.55 * index as f32);
+    for index in 0..8 {
+        let (here, next) = (post(index), post(index + 1));
+        let top =
+            here + Vec3::new(chance.about(0.0, 0.05), chance.about(0.86, 0.05), chance.about(0.0, 0.03));
+        wood.beam(here - Vec3::Y * 0.2, top, Vec3::X, 0.10, 0.09);
+        for height in [0.38, 0.70] {
+            let sag = Vec3::Y * chance.about(height, 0.04);
+            wood.beam(here + sag, next + Vec3::Y * chance.about(height, 0.04), Vec3::Y, 0.085, 0.035);
+        }
+    }
+    stage.put("fence", fence);
+
+    let habit =
+        Habit { height: 5.4, radius: 1.9, clear: 0.22, clump_count: 20, cards_per_clump: 60, turning: 0.08 };
+    let oak = tree(palette, &mut chance, habit);
+    // It has grown with the wind.
+    let lean = Affine3A::from_cols(
+        Vec3::X.into(),
+        Vec3::new(0.26, 1.0, 0.04).into(),
+        Vec3::Z.into(),
+        on_ground(9.0, -15.0).into(),
+    );
+    stage.put_at("tree", oak, lean);
+}
+
+/// Fair-weather clouds: heaps of puffs with flat feet.
+fn put_clouds(stage: &mut Stage, seed: u32) {
+    let mut chance = Chance::new(seed, "clouds");
+    let material = smoke::material(stage, seed);
+    let mut particles = Vec::new();
+    for (x, y, z, size) in [
+        (-62.0, 25.0, -125.0, 11.0),
+        (-20.0, 20.0, -140.0, 7.0),
+        (34.0, 33.0, -120.0, 10.0),
+        (74.0, 20.0, -130.0, 9.0),
+        (10.0, 13.5, -150.0, 5.0),
+        (-85.0, 30.0, 60.0, 12.0),
+        (30.0, 26.0, 130.0, 12.0),
+        (95.0, 24.0, 70.0, 10.0),
+    ] {
+        for _ in 0..44 {
+            let out = chance.gaussian() * Vec3::new(0.85, 0.30, 0.5);
+            // Higher in the middle, flat below.
+            let heap = (1.0 - 0.25 * out.x * out.x).max(0.2);
+            let rise = (out.y.abs() * heap + 0.35 * heap * chance.unit()).max(0.02);
+            let half_size = size * chance.between(0.30, 0.52) * (0.55 + 0.45 * heap);
+            let white = 0.62 + 0.30 * smoothstep(0.0, 0.6, rise);
+            particles.push(Particle {
+                birth_secs: 0.0,
+                lifetime_secs: f32::INFINITY,
+                origin: Vec3::new(x, y, z) + Vec3::new(out.x * 1.5, rise, out.z) * size,
+                velocity: Vec3::ZERO,
+                acceleration: Vec3::ZERO,
+                half_size: [half_size; 2],
+                rotation_rad: chance.between(0.0, TAU),
+                spin_rad_per_sec: 0.0,
+                alpha: chance.between(0.25, 0.55),
+                tint: Vec3::new(white * 0.98, white, white * 1.03),
+                tile: chance.below(ATLAS[0] * ATLAS[1]),
+            });
+        }
+    }
+    stage.particles(ParticleSystem {
+        name: "clouds".to_owned(),
+        material,
+        atlas: ATLAS,
+        particles,
+        loop_secs: None,
+        turbulence: Turbulence::default(),
+        fade: [0.0; 2],
+        near_fade: [1.0, 0.2],
+    });
+}
+
+fn world_from_girl() -> Affine3A {
+    Affine3A::from_rotation_y(GIRL_TURN_RAD)
+}
+
+fn cloth(name: &str) -> Material {
+    Material {
+        name: name.to_owned(),
+        alpha_mode: AlphaMode::Blend,
+        roughness: 0.85,
+        double_sided: true,
+        ..Material::default()
+    }
+}
+
+fn put_girl(stage: &mut Stage, swaying: u32, values: &Values) {
+    let (count, alpha, seed) = (values.count("hairs"), values.real("alpha"), values.count(SEED.key));
+    let plain = |name: &str, roughness| Material { name: name.to_owned(), roughness, ..Material::default() };
+    let wardrobe = girl::Wardrobe {
+        skin: stage.material(plain("skin", 0.55)),
+        linen: stage.material(Material { double_sided: true, ..plain("linen", 0.9) }),
+    };
+    stage.put_at("girl", girl::figure(wardrobe), world_from_girl());
+    let wind = world_from_girl().inverse().transform_vector3(breeze(values.real("wind")));
+    let scarf = stage.material(cloth("scarf"));
+    let poses = Sway::POSES.map(|sway| {
+        let mut shape = Shape::default();
+        girl::scarf(&mut shape, alpha, wind, sway);
+        girl::placed(scarf, &shape, world_from_girl())
+    });
+    stage.sway("scarf", swaying, &poses);
+
+    let material = stage.material(hair::material("hair", 0.38));
+    let hairs = girl::hairs(count, seed, wind);
+    // Dealt out one after the other, so that hairs that lie over one another belong to different objects.
+    let lock_count = count.div_ceil(LOCK_SIZE) as usize;
+    let locks: Vec<_> = (0..lock_count)
+        .into_par_iter()
+        .map(|lock| {
+            Sway::POSES.map(|sway| {
+                let mut shape = Shape::default();
+                for hair in hairs.iter().skip(lock).step_by(lock_count) {
+                    hair.build(&mut shape, alpha, sway);
+                }
+                girl::placed(material, &shape, world_from_girl())
+            })
+        })
+        .collect();
+    for poses in locks {
+        stage.sway("lock", swaying, &poses);
+    }
+}
+
+/// A kite of thin cloth over crossed sticks, with a tail, on a string from her hands.
+fn put_kite(stage: &mut Stage, swaying: u32, values: &Values) {
+    let alpha = values.real("alpha");
+    let silk = stage.material(cloth("kite"));
+    let stick = stage.material(Material { name: "stick".to_owned(), roughness: 0.7, ..Material::default() });
+    let poses = Sway::POSES.map(|sway| {
+        let mut model = Model::default();
+        kite(&mut model, [silk, stick], alpha, sway);
+        model
+    });
+    stage.sway("kite", swaying, &poses);
+}
+
+fn kite(model: &mut Model, [silk, stick]: [u32; 2], alpha: f32, sway: Sway) {
+    let rock = Quat::from_rotation_z(-0.42 + 0.10 * sway.billow(0.4)) * Quat::from_rotation_x(-0.35);
+    let middle = KITE + Vec3::new(0.05 * sway.flutter(1.0), 0.14 * sway.billow(0.0), 0.0);
+    let at = |x: f32, y: f32| middle + rock * Vec3::new(x, y, 0.04 * (1.0 - x.abs() * 3.0));
+    let [top, left, right, foot] = [at(0.0, 0.34), at(-0.30, 0.12), at(0.30, 0.12), at(0.0, -0.46)];
+    let heart = at(0.0, 0.12);
+    for (corners, colour) in [
+        ([heart, top, left], Vec3::new(0.95, 0.62, 0.10)),
+        ([heart, right, top], Vec3::new(0.85, 0.12, 0.08)),
+        ([heart, left, foot], Vec3::new(0.85, 0.12, 0.08)),
+        ([heart, foot, right], Vec3::new(0.95, 0.62, 0.10)),
+    ] {
+        let shape = model.paint(silk, Vec3::ONE);
+        shape.brush(colour.extend((1.3 * alpha).min(1.0)));
+        shape.triangle(corners);
+    }
+    let wood = model.paint(stick, Vec3::new(0.35, 0.22, 0.12));
+    wood.tube(&[(top, 0.006), (foot, 0.006)], 5);
+    wood.tube(&[(left, 0.006), (heart, 0.006), (right, 0.006)], 5);
+    // A tail with bows, and the string.
+    let tail = |way: f32| {
+        let swing = 0.16 * way * sway.billow(4.0 * way + 1.0) + 0.05 * way * sway.flutter(9.0 * way);
+        foot + Vec3::new(0.75 * way, -0.75 * way + 0.25 * way * way + swing, 0.1 * way)
+    };
+    let line = |at: &dyn Fn(f32) -> Vec3, radius: f32| -> Vec<(Vec3, f32)> {
+        (0..=24).map(|i| (at(i as f32 / 24.0), radius)).collect()
+    };
+    wood.tube(&line(&tail, 0.003), 4);
+    let hand = world_from_girl().transform_point3(Vec3::new(0.0, 0.40, 0.37));
+    let string = |way: f32| hand.lerp(heart, way) - Vec3::Y * (0.30 * (PI * way).sin());
+    wood.brush(Vec4::new(0.85, 0.83, 0.78, 1.0));
+    wood.tube(&line(&string, 0.0014), 4);
+    for bow in 1..=6 {
+        let (knot, turn) = (tail(bow as f32 / 6.0), 0.6 * bow as f32);
+        let wing = Vec3::new(turn.cos(), 0.3, turn.sin()) * 0.07;
+        let shape = model.paint(silk, Vec3::ONE);
+        shape.brush(Vec4::new(0.10, 0.35, 0.62, (1.3 * alpha).min(1.0)));
+        for side in [wing, -wing] {
+            shape.triangle([knot, knot + side + Vec3::Y * 0.035, knot + side - Vec3::Y * 0.035]);
+        }
+    }
+}
+
+/// Cards all around her, each an object of its own.
+fn put_grass(stage: &mut Stage, swaying: u32, values: &Values) {
+    let (count, seed) = (values.count("cards"), values.count(SEED.key));
+    let noise = Noise { seed: seed.wrapping_add(900) };
+    let atlas = stage.texture("grass", grass::atlas(seed), true);
+    let material = stage.material(Material {
+        name: "grass".to_owned(),
+        model: ShadingModel::Fibre,
+        base_colour_texture: Some(TextureRef::new(atlas)),
+        alpha_mode: AlphaMode::Blend,
+        roughness: 0.5,
+        double_sided: true,
+        ..Material::default()
+    });
+    let mut chance = Chance::new(seed, "grass");
+    let wind = breeze(values.real("wind"));
+    for _ in 0..count {
+        let place = loop {
+            let place = grass::strewn(&mut chance, MEADOW_RADIUS);
+            // Not through her skirt, nor in front of the lens.
+            if place.length() > 0.44 && place.distance(Vec2::new(EYE.x, EYE.z)) > 0.9 {
+                break place;
+            }
+        };
+        let foot = Vec3::new(place.x, ground(noise, place.x, place.y) - 0.02, place.y);
+        let patch = noise.fractal(place / 16.0 + 0.5, IVec2::splat(14), 3);
+        // Trodden down near her, high further out.
+        let height = (0.26 + 0.16 * patch) * (0.65 + 0.5 * smoothstep(0.4, 1.3, place.length()));
+        let card = grass::Card::at(foot, height.max(0.12), &mut chance);
+        let poses = Sway::POSES.map(|sway| {
+            let mut shape = Shape::default();
+            card.build(&mut shape, wind, sway);
+            Model::from_shape(material, shape)
+        });
+        stage.sway("card", swaying, &poses);
+    }
+}
