@@ -15,13 +15,14 @@ use super::{
     wind::Sway,
 };
 
-/// Segments of a hair: 225,000 triangles that move at the default count. Fewer show corners where locks curl.
-pub(super) const SEGMENTS: usize = 8;
+/// Segments of a hair: 165,000 triangles that move at the default count, which every frame pays for. Fewer show corners where locks curl.
+pub(super) const SEGMENTS: usize = 6;
 /// Width of a hair at its root with 15,000 of them, metres: half a pixel at the default size.
 const WIDTH: f32 = 0.0017;
 const SCALP: Form =
     Form::Ellipsoid { centre: Vec3::new(0.0, 0.862, -0.010), radii: Vec3::new(0.107, 0.117, 0.119) };
-const AUBURN: Vec3 = Vec3::new(0.46, 0.165, 0.055);
+const SKIRT: Vec3 = Vec3::new(0.035, 0.075, 0.13);
+const AUBURN: Vec3 = Vec3::new(0.36, 0.145, 0.060);
 
 /// Materials of the figure.
 #[derive(Clone, Copy, Debug)]
@@ -58,7 +59,7 @@ pub(super) fn figure(wardrobe: Wardrobe) -> Model {
     let v = Vec3::new;
     let mut model = Model::default();
     let skin = Vec3::new(0.72, 0.44, 0.31);
-    let (blouse, skirt) = (Vec3::new(0.80, 0.76, 0.66), Vec3::new(0.045, 0.09, 0.19));
+    let blouse = Vec3::new(0.80, 0.74, 0.62);
     let shape = model.paint(wardrobe.linen, blouse);
     for form in [
         limb(v(0.0, 0.36, -0.01), v(0.0, 0.57, -0.02), 0.112, 0.116),
@@ -93,7 +94,7 @@ pub(super) fn figure(wardrobe: Wardrobe) -> Model {
     let lip = model.paint(wardrobe.skin, Vec3::new(0.55, 0.13, 0.11));
     ball(v(0.0, 0.796, 0.111), v(0.016, 0.006, 0.007)).mesh(lip, 0.0);
     SCALP.mesh(model.paint(wardrobe.linen, AUBURN * 0.35), 0.002);
-    dress(model.paint(wardrobe.linen, skirt));
+    dress(model.paint(wardrobe.linen, SKIRT));
     model
 }
 
@@ -112,11 +113,20 @@ fn dress(shape: &mut Shape) {
     };
     let grid: Vec<Vec<Vec3>> =
         (0..=rings).map(|ring| (0..=sides).map(|side| point(ring, side % sides)).collect()).collect();
-    sheet(shape, &grid, |_, _| Vec4::new(0.045, 0.09, 0.19, 1.0));
+    sheet(shape, &grid, Lie::Surface, |_, _| SKIRT.extend(1.0));
+}
+
+/// What a sheet has for normals.
+#[derive(Clone, Copy)]
+enum Lie {
+    /// Those of its surface.
+    Surface,
+    /// The direction of its rows, for cloth that is lit as the threads it is woven of.
+    Threads,
 }
 
 /// Adds a grid of points as a smooth surface; rows run downwards, columns counter-clockwise seen from outside or from left to right.
-fn sheet(shape: &mut Shape, grid: &[Vec<Vec3>], colour: impl Fn(f32, f32) -> Vec4) {
+fn sheet(shape: &mut Shape, grid: &[Vec<Vec3>], lie: Lie, colour: impl Fn(f32, f32) -> Vec4) {
     let (rows, columns) = (grid.len(), grid[0].len());
     let first = shape.positions.len() as u32;
     let closed = grid[0][0].distance(grid[0][columns - 1]) < 1e-6;
@@ -136,7 +146,11 @@ fn sheet(shape: &mut Shape, grid: &[Vec<Vec3>], colour: impl Fn(f32, f32) -> Vec
             let down = at((row + 1).min(rows - 1), column) - at(row.saturating_sub(1), column);
             let (u, v) = (column as f32 / (columns - 1) as f32, row as f32 / (rows - 1) as f32);
             shape.brush(colour(u, v));
-            let normal = down.cross(along).normalize_or(Vec3::Y);
+            let normal = match lie {
+                Lie::Surface => down.cross(along),
+                Lie::Threads => along,
+            };
+            let normal = normal.normalize_or(Vec3::Y);
             shape.vertex(Vertex { position: at(row, column), normal, uv: Vec2::new(u, v) });
         }
     }
@@ -201,22 +215,23 @@ impl Hair {
         let step = length / SEGMENTS as f32;
         let downwind = wind.normalize();
         let beside = downwind.cross(Vec3::Y).normalize();
-        // Locks rise, sink and drift apart; heavier ones hang.
-        let aim = downwind + Vec3::Y * (0.34 * rise - 0.24) + beside * (0.5 * (drift - 0.5)) + loose;
-        let mut direction = (normal * 0.55 + (aim - normal * aim.dot(normal)) * 0.8).normalize();
+        // Locks rise, sink and drift apart; those from the nape hang.
+        let heavy = 3.0 * (0.86 - root.y).max(0.0);
+        let aim = downwind + Vec3::Y * (0.30 * rise - 0.33 - heavy) + beside * (0.40 * (drift - 0.5)) + loose;
+        let mut direction = (normal * 0.22 + (aim - normal * aim.dot(normal)) * 0.8).normalize();
         let inward = tuft.centre - root;
         let mut rest = [root; SEGMENTS + 1];
         for i in 1..=SEGMENTS {
             let way = i as f32 / SEGMENTS as f32;
-            let wave = (TAU * (1.5 * way + curl)).cos() * 0.20 * way;
-            let mut next = rest[i - 1] + direction * step + inward * (0.85 / SEGMENTS as f32);
+            let wave = (TAU * (1.1 * way + curl)).cos() * 0.20 * way;
+            let mut next = rest[i - 1] + direction * step + inward * (1.1 / SEGMENTS as f32);
             next += (Vec3::Y + beside * (2.0 * drift - 1.0)) * (wave * step);
             let field = solid.field(next);
-            if field.distance < 0.012 * way.sqrt() {
-                next += field.away * (0.012 * way.sqrt() - field.distance);
+            if field.distance < 0.010 * way.sqrt() {
+                next += field.away * (0.010 * way.sqrt() - field.distance);
             }
             rest[i] = next;
-            direction = direction.lerp(aim, 0.30).normalize();
+            direction = direction.lerp(aim, 0.42).normalize();
         }
         Self {
             rest,
@@ -272,7 +287,7 @@ pub(super) fn scarf(shape: &mut Shape, alpha: f32, wind: Wind, sway: Sway) {
     };
     let grid: Vec<Vec<Vec3>> =
         (0..=rows).map(|row| (0..=columns).map(|column| point(row, column)).collect()).collect();
-    sheet(shape, &grid, |out, over| {
+    sheet(shape, &grid, Lie::Threads, |out, over| {
         let hem = smoothstep(0.40, 0.44, (over - 0.5).abs()).max(smoothstep(0.955, 0.965, out));
         let stripe = smoothstep(0.35, 0.65, 0.5 + 0.5 * (out * TAU * 9.0).sin()) * smoothstep(0.5, 0.6, out);
         let coral = Vec3::new(0.86, 0.13, 0.07).lerp(Vec3::new(0.95, 0.62, 0.22), stripe);

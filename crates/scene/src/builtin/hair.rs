@@ -24,6 +24,7 @@ pub(super) struct Strand<'a> {
 }
 
 /// Triangles of a hair of so many segments: the last one ends in a point.
+#[cfg(test)]
 pub(super) const fn triangle_count(segment_count: u32) -> u32 {
     2 * segment_count - 1
 }

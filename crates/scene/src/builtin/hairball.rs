@@ -79,8 +79,8 @@ pub(super) fn build(values: &Values) -> Result<Scene, SceneError> {
             ],
         },
     );
-    let (key, rim, middle) = (Vec3::new(-3.4, 3.6, 2.2), Vec3::new(1.9, 2.2, -2.1), Vec3::Y * 0.55);
-    stage.spot("key", key, middle, Vec3::new(106.0, 95.0, 79.0), [0.20, 0.62]);
+    let (key, rim, middle) = (Vec3::new(-3.7, 3.5, 1.6), Vec3::new(1.9, 2.2, -2.1), Vec3::Y * 0.55);
+    stage.spot("key", key, middle, Vec3::new(84.0, 75.0, 62.0), [0.20, 0.62]);
     stage.spot("rim", rim, middle, Vec3::new(52.0, 50.0, 50.0), [0.16, 0.30]);
     put_room(&mut stage);
     put_puppy(&mut stage);
@@ -111,7 +111,7 @@ fn put_room(stage: &mut Stage) {
     let plain = |name: &str, roughness| Material { name: name.to_owned(), roughness, ..Material::default() };
     let paper = stage.material(plain("paper", 0.95));
     let mut room = Model::default();
-    let mut profile: Vec<(f32, f32)> = vec![(7.0, 2.2)];
+    let mut profile: Vec<(f32, f32)> = vec![(7.0, 3.6)];
     let bend = 1.6;
     profile.extend((0..=12).map(|step| {
         let (sin, cos) = (step as f32 / 12.0 * 0.25 * TAU).sin_cos();
@@ -358,5 +358,62 @@ fn grow(
         points[i] = next;
         let lie = comb - field.away * field.away.dot(comb);
         direction = (direction + lie * 0.75 + wander * 0.5 + Vec3::NEG_Y * 0.10).normalize_or(direction);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{builtin, model::Mesh};
+
+    const PER_HAIR: usize = 2 * SEGMENTS + 1;
+
+    fn locks(scene: &Scene) -> Vec<&Mesh> {
+        scene.parts().meshes.iter().filter(|mesh| mesh.name == "lock").collect()
+    }
+
+    #[test]
+    fn there_are_as_many_hairs_and_objects_as_asked_for() {
+        for (count, objects) in [(1, 1), (300, 1), (301, 2), (4000, 14)] {
+            let scene = builtin::build(&format!("hairball:hairs={count}")).unwrap();
+            let locks = locks(&scene);
+            assert_eq!(locks.len(), objects, "{count} hairs");
+            let triangles: usize = locks.iter().map(|mesh| mesh.indices.len()).sum();
+            assert_eq!(triangles as u32, count * hair::triangle_count(SEGMENTS as u32));
+            let mut ids: Vec<u32> = scene.parts().instances.iter().map(|instance| instance.id).collect();
+            ids.dedup();
+            assert!(ids.is_sorted() && ids.len() >= objects, "each lock is an object of its own");
+        }
+    }
+
+    #[test]
+    fn hairs_start_on_the_body_and_leave_eyes_and_nose_free() {
+        let scene = builtin::build("hairball:hairs=6000,seed=2").unwrap();
+        let body = body();
+        for mesh in locks(&scene) {
+            for hair in mesh.positions.chunks_exact(PER_HAIR) {
+                let root = 0.5 * (hair[0] + hair[1]);
+                assert!(body.field(root).distance.abs() < 2.0 * crate::builtin::body::ON_SURFACE);
+                let tip = hair[PER_HAIR - 1];
+                assert!(body.field(tip).distance > 1e-4, "no tip grows back into the body: {tip}");
+                assert!(!in_the_way(root) && !in_the_way(tip), "{root} {tip}");
+            }
+        }
+        // What would be found.
+        assert!(in_the_way(eye(1.0) + Vec3::Z * 0.05) && in_the_way(NOSE));
+    }
+
+    #[test]
+    fn hairs_narrow_and_fade_towards_their_tips() {
+        let scene = builtin::build("hairball:hairs=500,alpha=0.4").unwrap();
+        for mesh in locks(&scene) {
+            for (hair, colours) in
+                mesh.positions.chunks_exact(PER_HAIR).zip(mesh.colours.chunks_exact(PER_HAIR))
+            {
+                let width = |i: usize| hair[2 * i].distance(hair[2 * i + 1]);
+                assert!((1..SEGMENTS).all(|i| width(i) < width(i - 1)));
+                assert!((colours[0].w - 0.4).abs() < 1e-6 && colours[PER_HAIR - 1].w < 0.1);
+            }
+        }
     }
 }

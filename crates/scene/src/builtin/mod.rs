@@ -2,7 +2,8 @@
 //!
 //! A scene is a row of the table in [`catalogue`]: its description, its parameters and the function that builds it. A new scene is a new
 //! file and a new row. What scenes share lies beside them: `stage` puts parts together, `shape` models, `paint` makes textures, `palette`
-//! holds the materials of the town; `house`, `foliage`, `furniture`, `square` and `smoke` are what stands in it.
+//! holds the materials of the town; `house`, `foliage`, `furniture`, `square` and `smoke` are what stands in it. `hair`, `body`, `girl`,
+//! `grass` and `wind` make what grows and sways.
 
 use sheer_core::parameter::{ParameterInfo, ParameterRange, Values, split_name};
 
@@ -139,10 +140,12 @@ pub fn build(text: &str) -> Result<Scene, SceneError> {
 mod tests {
     use super::*;
 
-    /// Few enough particles that a test takes little time; the rest as it stands.
+    /// Few enough of everything that a test takes little time; the rest as it stands.
     fn light(info: &BuiltinInfo) -> String {
-        let particles = info.parameters.iter().any(|parameter| parameter.key == "particles");
-        if particles { format!("{}:particles=500,", info.name) } else { format!("{}:", info.name) }
+        let few = [("particles", 500), ("hairs", 700), ("cards", 100)];
+        let taken =
+            few.iter().filter(|(key, _)| info.parameters.iter().any(|parameter| parameter.key == *key));
+        taken.fold(format!("{}:", info.name), |text, (key, count)| format!("{text}{key}={count},"))
     }
 
     /// Everything that a seed may change, as text.

@@ -14,8 +14,8 @@ use super::{
     girl, grass, hair,
     paint::{Noise, smoothstep},
     palette::Palette,
-    shape::{Model, Shape},
-    smoke::{self, ATLAS},
+    shape::{Model, Shape, Vertex},
+    smoke::{ATLAS, puff_atlas},
     stage::Stage,
     wind::{self, Sway},
 };
@@ -62,10 +62,10 @@ const LOCK_SIZE: u32 = 50;
 /// How far from the girl grass grows as cards, metres.
 const MEADOW_RADIUS: f32 = 6.5;
 /// Where she looks, as a turn around +Y from +Z: away from the camera and into the wind.
-const GIRL_TURN_RAD: f32 = -2.05;
+const GIRL_TURN_RAD: f32 = -1.80;
 const EYE: Vec3 = Vec3::new(0.70, 0.86, 3.3);
 const TARGET: Vec3 = Vec3::new(0.62, 0.83, 0.0);
-const MILL: Vec3 = Vec3::new(-9.5, -5.0, -36.0);
+const MILL: Vec3 = Vec3::new(-12.8, -5.0, -36.0);
 const KITE: Vec3 = Vec3::new(3.2, 2.25, -4.4);
 
 fn towards_sun() -> Vec3 {
@@ -74,8 +74,8 @@ fn towards_sun() -> Vec3 {
 
 fn sky() -> Environment {
     Environment {
-        zenith: Vec3::new(0.055, 0.20, 0.62),
-        horizon: Vec3::new(0.70, 0.80, 0.88),
+        zenith: Vec3::new(0.10, 0.25, 0.58),
+        horizon: Vec3::new(0.74, 0.80, 0.85),
         ground: Vec3::new(0.14, 0.17, 0.07),
         lobes: vec![
             Lobe { direction: towards_sun(), radiance: Vec3::new(1.1, 0.95, 0.7), sharpness: 7.0 },
@@ -93,7 +93,7 @@ pub(super) fn build(values: &Values) -> Result<Scene, SceneError> {
     let seed = values.count(SEED.key);
     let mut stage = Stage::new("windy-hill", sky());
     let palette = Palette::new(&mut stage, seed);
-    stage.sun(towards_sun(), Vec3::new(5.0, 4.4, 3.4));
+    stage.sun(towards_sun(), Vec3::new(5.8, 4.9, 3.6));
     put_land(&mut stage, &palette, seed);
     put_mill(&mut stage, &palette);
     put_props(&mut stage, &palette, seed);
@@ -144,13 +144,25 @@ fn put_land(stage: &mut Stage, palette: &Palette, seed: u32) {
         Vec3::new(direction.x, ground(noise, direction.x, direction.y), direction.y)
     };
     let shape = land.paint(palette.meadow, Vec3::ONE);
+    for ring in 0..=rings {
+        for side in 0..=sides {
+            let position = point(ring, side);
+            // Slopes over a span as wide as the mesh is coarse there.
+            let span = 0.05 + 0.02 * radius(ring);
+            let height = |dx: f32, dz: f32| ground(noise, position.x + dx * span, position.z + dz * span);
+            let slope = Vec2::new(height(1.0, 0.0) - height(-1.0, 0.0), height(0.0, 1.0) - height(0.0, -1.0));
+            let normal = Vec3::new(-slope.x, 2.0 * span, -slope.y).normalize();
+            shape.vertex(Vertex { position, normal, uv: Vec2::new(position.x, position.z) });
+        }
+    }
     for ring in 0..rings {
         for side in 0..sides {
-            let [a, b, c, d] = [(ring, side + 1), (ring, side), (ring + 1, side), (ring + 1, side + 1)];
-            if ring == 0 {
-                shape.triangle([point(b.0, b.1), point(d.0, d.1), point(c.0, c.1)]);
-            } else {
-                shape.quad([a, b, c, d].map(|(ring, side)| point(ring, side)));
+            let at = ring * (sides + 1) + side;
+            let out = at + sides + 1;
+            shape.indices.push([at, out + 1, out]);
+            // The innermost ring is a point.
+            if ring > 0 {
+                shape.indices.push([at, at + 1, out + 1]);
             }
         }
     }
@@ -159,7 +171,7 @@ fn put_land(stage: &mut Stage, palette: &Palette, seed: u32) {
         let patch = noise.fractal(Vec2::new(p.x, p.z) / 280.0 + 0.5, IVec2::splat(14), 4);
         let haze = smoothstep(25.0, 130.0, p.with_y(0.0).length());
         let turf = Vec3::new(1.05, 1.25, 0.75) * (1.0 + 0.5 * patch);
-        turf.lerp(Vec3::new(1.9, 2.6, 4.8), 0.8 * haze)
+        turf.lerp(Vec3::new(0.95, 1.35, 2.6), 0.8 * haze)
     });
     stage.put("land", land);
 }
@@ -268,7 +280,18 @@ fn put_props(stage: &mut Stage, palette: &Palette, seed: u32) {
 /// Fair-weather clouds: heaps of puffs with flat feet.
 fn put_clouds(stage: &mut Stage, seed: u32) {
     let mut chance = Chance::new(seed, "clouds");
-    let material = smoke::material(stage, seed);
+    let atlas = TextureRef::new(stage.texture("cloud puffs", puff_atlas(seed.wrapping_add(5)), true));
+    // A cloud is so thick that light from all around comes out of it again: what single scattering lacks is added as a glow.
+    let material = stage.material(Material {
+        name: "cloud".to_owned(),
+        model: ShadingModel::Smoke,
+        base_colour_texture: Some(atlas),
+        emissive: Vec3::new(0.36, 0.40, 0.46),
+        emissive_texture: Some(atlas),
+        alpha_mode: AlphaMode::Blend,
+        double_sided: true,
+        ..Material::default()
+    });
     let mut particles = Vec::new();
     for (x, y, z, size) in [
         (-62.0, 25.0, -125.0, 11.0),
@@ -280,13 +303,13 @@ fn put_clouds(stage: &mut Stage, seed: u32) {
         (30.0, 26.0, 130.0, 12.0),
         (95.0, 24.0, 70.0, 10.0),
     ] {
-        for _ in 0..44 {
+        for _ in 0..70 {
             let out = chance.gaussian() * Vec3::new(0.85, 0.30, 0.5);
             // Higher in the middle, flat below.
             let heap = (1.0 - 0.25 * out.x * out.x).max(0.2);
             let rise = (out.y.abs() * heap + 0.35 * heap * chance.unit()).max(0.02);
-            let half_size = size * chance.between(0.30, 0.52) * (0.55 + 0.45 * heap);
-            let white = 0.62 + 0.30 * smoothstep(0.0, 0.6, rise);
+            let half_size = size * chance.between(0.36, 0.66) * (0.55 + 0.45 * heap);
+            let white = 0.74 + 0.24 * smoothstep(0.0, 0.6, rise);
             particles.push(Particle {
                 birth_secs: 0.0,
                 lifetime_secs: f32::INFINITY,
@@ -296,7 +319,7 @@ fn put_clouds(stage: &mut Stage, seed: u32) {
                 half_size: [half_size; 2],
                 rotation_rad: chance.between(0.0, TAU),
                 spin_rad_per_sec: 0.0,
-                alpha: chance.between(0.25, 0.55),
+                alpha: chance.between(0.45, 0.85),
                 tint: Vec3::new(white * 0.98, white, white * 1.03),
                 tile: chance.below(ATLAS[0] * ATLAS[1]),
             });
@@ -318,11 +341,13 @@ fn world_from_girl() -> Affine3A {
     Affine3A::from_rotation_y(GIRL_TURN_RAD)
 }
 
+/// Cloth so thin that it is lit like the threads it is woven of: from both sides.
 fn cloth(name: &str) -> Material {
     Material {
         name: name.to_owned(),
+        model: ShadingModel::Fibre,
         alpha_mode: AlphaMode::Blend,
-        roughness: 0.85,
+        roughness: 0.8,
         double_sided: true,
         ..Material::default()
     }
@@ -392,8 +417,8 @@ fn kite(model: &mut Model, [silk, stick]: [u32; 2], alpha: f32, sway: Sway) {
         ([heart, foot, right], Vec3::new(0.95, 0.62, 0.10)),
     ] {
         let shape = model.paint(silk, Vec3::ONE);
-        shape.brush(colour.extend((1.3 * alpha).min(1.0)));
-        shape.triangle(corners);
+        shape.brush(colour.extend((1.5 * alpha).min(1.0)));
+        patch(shape, corners, rock * Vec3::X);
     }
     let wood = model.paint(stick, Vec3::new(0.35, 0.22, 0.12));
     wood.tube(&[(top, 0.006), (foot, 0.006)], 5);
@@ -415,11 +440,18 @@ fn kite(model: &mut Model, [silk, stick]: [u32; 2], alpha: f32, sway: Sway) {
         let (knot, turn) = (tail(bow as f32 / 6.0), 0.6 * bow as f32);
         let wing = Vec3::new(turn.cos(), 0.3, turn.sin()) * 0.07;
         let shape = model.paint(silk, Vec3::ONE);
-        shape.brush(Vec4::new(0.10, 0.35, 0.62, (1.3 * alpha).min(1.0)));
+        shape.brush(Vec4::new(0.06, 0.26, 0.60, (1.5 * alpha).min(1.0)));
         for side in [wing, -wing] {
-            shape.triangle([knot, knot + side + Vec3::Y * 0.035, knot + side - Vec3::Y * 0.035]);
+            patch(shape, [knot, knot + side + Vec3::Y * 0.035, knot + side - Vec3::Y * 0.035], Vec3::Y);
         }
     }
+}
+
+/// A triangle of cloth whose threads run this way.
+fn patch(shape: &mut Shape, corners: [Vec3; 3], threads: Vec3) {
+    let vertex = |position: Vec3| shape.vertex(Vertex { position, normal: threads, uv: Vec2::ZERO });
+    let triangle = corners.map(vertex);
+    shape.indices.push(triangle);
 }
 
 /// Cards all around her, each an object of its own.
@@ -457,5 +489,97 @@ fn put_grass(stage: &mut Stage, swaying: u32, values: &Values) {
             Model::from_shape(material, shape)
         });
         stage.sway("card", swaying, &poses);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::{builtin, frame::Animator, scene::CameraChoice};
+
+    fn small() -> Scene {
+        builtin::build("windy-hill:hairs=130,cards=40").unwrap()
+    }
+
+    /// Triangles by the name of their mesh, at a time.
+    fn triangles(animator: &mut Animator, name: &str, time_secs: f32) -> Vec<[Vec3; 3]> {
+        let frame = animator.advance(time_secs, time_secs);
+        let parts = frame.scene().parts();
+        let named = |triangle: &u32| {
+            let id = frame.object(*triangle).id;
+            let instance = parts.instances.iter().find(|instance| instance.id == id);
+            instance.is_some_and(|instance| parts.meshes[instance.mesh as usize].name == name)
+        };
+        let all = frame.static_count() as u32..frame.triangles().len() as u32;
+        all.filter(named).map(|triangle| frame.triangles()[triangle as usize]).collect()
+    }
+
+    /// Farthest that a corner has gone.
+    fn way(one: &[[Vec3; 3]], other: &[[Vec3; 3]]) -> f32 {
+        let corners = one.iter().flatten().zip(other.iter().flatten());
+        corners.map(|(one, other)| one.distance(*other)).fold(0.0, f32::max)
+    }
+
+    #[test]
+    fn there_are_as_many_hairs_and_cards_as_asked_for() {
+        let scene = small();
+        let parts = scene.parts();
+        let count = |name: &str| {
+            let meshes = parts.meshes.iter().filter(|mesh| mesh.name == name);
+            meshes.fold((0, 0), |(count, triangles), mesh| (count + 1, triangles + mesh.indices.len() as u32))
+        };
+        assert_eq!(count("lock"), (3, 130 * hair::triangle_count(girl::SEGMENTS as u32)));
+        assert_eq!(count("card").0, 40);
+        let bare = builtin::build("windy-hill:hairs=0,cards=0").unwrap();
+        assert!(!bare.parts().meshes.iter().any(|mesh| mesh.name == "lock" || mesh.name == "card"));
+    }
+
+    #[test]
+    fn hair_grass_cloth_and_sails_move_and_the_loop_closes() {
+        let scene = Arc::new(small());
+        let camera = scene.camera(&CameraChoice::Default).unwrap();
+        let mut animator = Animator::new(scene, camera);
+        for (name, least) in [("lock", 0.05), ("card", 0.01), ("scarf", 0.1), ("kite", 0.1), ("sails", 1.0)] {
+            let start = triangles(&mut animator, name, 0.0);
+            assert!(!start.is_empty(), "{name}");
+            let later = triangles(&mut animator, name, 0.23 * wind::LOOP_SECS);
+            assert!(way(&start, &later) > least, "{name}: {}", way(&start, &later));
+            let round = triangles(&mut animator, name, wind::LOOP_SECS);
+            assert!(way(&start, &round) < 1e-4, "{name}: {}", way(&start, &round));
+        }
+    }
+
+    #[test]
+    fn roots_of_hairs_and_feet_of_cards_hold_still() {
+        let scene = small();
+        for mesh in &scene.parts().meshes {
+            let stride = match mesh.name.as_str() {
+                "lock" => 2 * girl::SEGMENTS + 1,
+                "card" => mesh.positions.len(),
+                _ => continue,
+            };
+            assert_eq!(mesh.morph_targets.len(), Sway::POSES.len() - 1);
+            for target in &mesh.morph_targets {
+                // The two corners at the root turn with the hair, by less than its width; tips go their way.
+                let roots = target.positions.iter().step_by(stride);
+                assert!(roots.into_iter().all(|moved| moved.length() < 0.002), "{}", mesh.name);
+                assert!(target.positions.iter().any(|moved| moved.length() > 0.005), "{}", mesh.name);
+            }
+        }
+    }
+
+    #[test]
+    fn cards_are_blended_with_soft_alpha() {
+        let scene = small();
+        let grass = scene.parts().materials.iter().find(|material| material.name == "grass").unwrap();
+        assert_eq!(grass.alpha_mode, AlphaMode::Blend);
+        let texture = grass.base_colour_texture.unwrap().texture as usize;
+        let texels = scene.parts().textures[texture].image.as_slice();
+        let share = |range: std::ops::RangeInclusive<u8>| {
+            texels.iter().filter(|texel| range.contains(&texel[3])).count() as f32 / texels.len() as f32
+        };
+        assert!(share(26..=242) > 0.15 && share(0..=2) > 0.2, "{} {}", share(26..=242), share(0..=2));
     }
 }
