@@ -244,7 +244,7 @@ fn put_props(stage: &mut Stage, palette: &Palette, seed: u32) {
     stones.tint(stone, |p, n| {
         let at = Vec2::new(p.x + 0.7 * p.y, p.z - 0.6 * p.y);
         let lichen = smoothstep(0.05, 0.35, noise.fractal(at / 2.0 + 0.25, IVec2::splat(16), 4));
-        let grey = Vec3::new(0.36, 0.34, 0.31).lerp(Vec3::new(0.50, 0.48, 0.26), 0.7 * lichen);
+        let grey = Vec3::new(0.42, 0.35, 0.27).lerp(Vec3::new(0.52, 0.48, 0.24), 0.7 * lichen);
         grey * (0.6 + 0.4 * smoothstep(-0.6, 0.6, n.y))
     });
     stage.put("stones", stones);
@@ -562,11 +562,13 @@ mod tests {
             };
             assert_eq!(mesh.morph_targets.len(), Sway::POSES.len() - 1);
             for target in &mesh.morph_targets {
-                // The two corners at the root turn with the hair, by less than its width; tips go their way.
-                let roots = target.positions.iter().step_by(stride);
-                assert!(roots.into_iter().all(|moved| moved.length() < 0.002), "{}", mesh.name);
-                assert!(target.positions.iter().any(|moved| moved.length() > 0.005), "{}", mesh.name);
+                // The corners at the root may turn, their middle stays.
+                let still = |thing: &[Vec3]| (thing[0] + thing[1]).length() < 1e-6;
+                assert!(target.positions.chunks_exact(stride).all(still), "{}", mesh.name);
             }
+            // A single target may be the moment at which a card stands straight.
+            let moved = mesh.morph_targets.iter().flat_map(|target| &target.positions);
+            assert!(moved.into_iter().any(|moved| moved.length() > 0.005), "{}", mesh.name);
         }
     }
 
