@@ -9,6 +9,13 @@ use sheer_core::parameter::{ParameterInfo, ParameterRange, Values, split_name};
 
 use crate::{SceneError, scene::Scene};
 
+mod arena;
+mod arena_body;
+mod arena_cast;
+mod arena_figure;
+mod arena_paint;
+mod arena_place;
+mod arena_spell;
 mod body;
 mod calibration;
 mod chance;
@@ -117,6 +124,13 @@ pub fn catalogue() -> &'static [BuiltinInfo] {
             source: "ST Fig. 1",
             parameters: windy_hill::PARAMETERS,
             build: windy_hill::build,
+        },
+        BuiltinInfo {
+            name: "arena",
+            title: "a fight in a ring of stone at dusk: shields, barriers, fire, drops and dust; the effects rise and fall",
+            source: "STD Fig. 1, 8 and 11",
+            parameters: arena::PARAMETERS,
+            build: arena::build,
         },
     ]
 }

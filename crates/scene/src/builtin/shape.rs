@@ -112,6 +112,11 @@ impl Shape {
         self
     }
 
+    /// An empty shape with the same brush.
+    pub(super) fn like(&self) -> Self {
+        Self { brush: self.brush, ..Self::default() }
+    }
+
     pub(super) fn vertex(&mut self, vertex: Vertex) -> u32 {
         self.positions.push(vertex.position);
         self.normals.push(vertex.normal);

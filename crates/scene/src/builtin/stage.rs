@@ -11,8 +11,8 @@ use crate::{
     camera::Camera,
     environment::Environment,
     model::{
-        Animation, Channel, Filter, Instance, Keys, Light, LightKind, Material, Mesh, MorphTarget, Node,
-        SceneParts, Texture, Track, Transform, Wrap,
+        Animation, Channel, Filter, Influence, Instance, Keys, Light, LightKind, Material, Mesh, MorphTarget,
+        Node, SceneParts, Skin, Texture, Track, Transform, Wrap,
     },
     particle::ParticleSystem,
     scene::Scene,
@@ -137,6 +137,42 @@ impl Stage {
         animations[at].channels.extend(tracks.into_iter().map(|track| Channel { node, track }));
     }
 
+    /// Adds a node that can be animated, in its parent's space or the world.
+    pub(super) fn joint(&mut self, name: &str, parent: Option<u32>, translation: Vec3) -> u32 {
+        let joint = self.node(name, Transform::from_translation(translation));
+        self.parts.nodes[joint as usize].parent = parent;
+        joint
+    }
+
+    /// Hangs a model on a chain of joints that bends it: `influences` says of a vertex which joints pull at it, `origin_in_object` where
+    /// each joint lies in the space of the model.
+    pub(super) fn drape(
+        &mut self,
+        name: &str,
+        model: Model,
+        joints: Vec<u32>,
+        origin_in_object: &[Vec3],
+        influences: impl Fn(Vec3) -> [Influence; 4],
+    ) {
+        let prop = self.prop(name, model);
+        for &mesh in &prop.meshes {
+            let mesh = &mut self.parts.meshes[mesh as usize];
+            mesh.influences = mesh.positions.iter().flat_map(|&position| influences(position)).collect();
+            mesh.influences_per_vertex = 4;
+        }
+        let node = joints[0];
+        let inverse_bind = origin_in_object.iter().map(|&origin| Affine3A::from_translation(-origin));
+        self.parts.skins.push(Skin { name: name.to_owned(), joints, inverse_bind: inverse_bind.collect() });
+        let first = self.parts.instances.len();
+        self.hang(&prop, node);
+        let skin = Some(self.parts.skins.len() as u32 - 1);
+        self.parts.instances[first..].iter_mut().for_each(|instance| instance.skin = skin);
+    }
+
+    pub(super) fn animate(&mut self, animation: Animation) {
+        self.parts.animations.push(animation);
+    }
+
     /// Adds a model and places it once, as it stands.
     pub(super) fn put(&mut self, name: &str, model: Model) {
         self.put_at(name, model, Affine3A::IDENTITY);
@@ -173,6 +209,11 @@ impl Stage {
     /// Adds a lamp that shines all around, in candela.
     pub(super) fn lamp(&mut self, name: &str, at: Vec3, candela: Vec3, range: f32) {
         let node = self.node(name, Transform::from_translation(at));
+        self.lamp_on(name, node, candela, range);
+    }
+
+    /// The same on a node that moves.
+    pub(super) fn lamp_on(&mut self, name: &str, node: u32, candela: Vec3, range: f32) {
         self.light(name, node, candela, LightKind::Point { range });
     }
 

@@ -1,0 +1,328 @@
+//! Who fights in the arena, where each of them stands and what they do when.
+
+use glam::Vec3;
+use sheer_core::colour::linear_from_hex;
+
+use super::{
+    arena_body::{self, Team, Wardrobe},
+    arena_figure::{Actor, Part, Pose, enter, limb},
+    chance::Chance,
+    palette::Palette,
+    stage::Stage,
+};
+
+/// Everybody, by what they do.
+pub(super) struct Cast {
+    /// Holds the barrier against the golem.
+    pub(super) warden: Actor,
+    /// Throws water.
+    pub(super) tidecaller: Actor,
+    /// Stands in a pillar of light.
+    pub(super) healer: Actor,
+    /// In front on the right, at the golem's feet, and on the left behind.
+    pub(super) knights: [Actor; 3],
+    pub(super) golem: Actor,
+    /// Throw fire and violet bolts.
+    pub(super) warlocks: [Actor; 2],
+    /// Each against the knight of the same index.
+    pub(super) raiders: [Actor; 3],
+}
+
+const READY_LEGS: [super::arena_figure::Limb; 2] = [limb(-0.28, 0.10, 0.25), limb(0.38, 0.12, 0.45)];
+
+/// Sword or axe drawn, shield before the body.
+const FIGHTER: Pose = Pose {
+    lean: 0.12,
+    turn: -0.25,
+    nod: 0.0,
+    arms: [limb(0.35, 0.35, 1.35), limb(0.75, 0.15, 0.95)],
+    legs: READY_LEGS,
+};
+const WIND_UP: Pose = Pose {
+    lean: -0.12,
+    turn: -0.75,
+    nod: 0.0,
+    arms: [limb(2.3, 0.65, 1.3), limb(0.7, 0.3, 0.9)],
+    legs: READY_LEGS,
+};
+const STRIKE: Pose = Pose {
+    lean: 0.48,
+    turn: 0.65,
+    nod: 0.0,
+    arms: [limb(0.95, -0.35, 0.15), limb(0.1, 0.5, 0.9)],
+    legs: [limb(-0.5, 0.1, 0.15), limb(0.75, 0.12, 0.7)],
+};
+/// Crouched behind the shield.
+const BLOCK: Pose = Pose {
+    lean: 0.28,
+    turn: 0.15,
+    nod: 0.1,
+    arms: [limb(0.1, 0.6, 1.5), limb(1.25, 0.0, 0.55)],
+    legs: [limb(-0.35, 0.15, 0.75), limb(0.75, 0.15, 1.1)],
+};
+/// Bent back, out of the way of a blade.
+const DODGE: Pose = Pose {
+    lean: -0.5,
+    turn: 0.4,
+    nod: 0.2,
+    arms: [limb(0.2, 0.9, 0.9), limb(0.4, 0.8, 0.9)],
+    legs: [limb(0.35, 0.2, 0.5), limb(-0.1, 0.3, 0.6)],
+};
+
+const SLASH: &[(f32, Pose)] = &[(0.28, WIND_UP), (0.42, STRIKE), (0.62, STRIKE), (1.05, FIGHTER)];
+const GUARD: &[(f32, Pose)] = &[(0.2, BLOCK), (0.75, BLOCK), (1.1, FIGHTER)];
+const DUCK: &[(f32, Pose)] = &[(0.2, DODGE), (0.5, DODGE), (0.9, FIGHTER)];
+
+const STRAIGHT_LEGS: [super::arena_figure::Limb; 2] = [limb(-0.08, 0.05, 0.0), limb(0.10, 0.05, 0.05)];
+
+/// Staff upright beside the body.
+const CASTER: Pose = Pose {
+    lean: 0.05,
+    turn: -0.15,
+    nod: 0.0,
+    arms: [limb(0.45, 0.25, 1.15), limb(0.25, 0.25, 0.7)],
+    legs: STRAIGHT_LEGS,
+};
+const RAISE: Pose = Pose {
+    lean: -0.15,
+    turn: -0.35,
+    nod: -0.1,
+    arms: [limb(2.2, 0.3, 0.4), limb(1.5, 0.5, 0.4)],
+    legs: STRAIGHT_LEGS,
+};
+const THRUST: Pose = Pose {
+    lean: 0.32,
+    turn: 0.45,
+    nod: 0.0,
+    arms: [limb(1.55, -0.1, 0.1), limb(0.2, 0.6, 0.6)],
+    legs: [limb(-0.25, 0.06, 0.0), limb(0.25, 0.06, 0.05)],
+};
+/// Both hands against what comes.
+const HOLD: Pose = Pose {
+    lean: 0.2,
+    turn: 0.0,
+    nod: -0.05,
+    arms: [limb(1.55, 0.25, 0.35), limb(1.6, 0.2, 0.15)],
+    legs: [limb(-0.32, 0.08, 0.0), limb(0.30, 0.08, 0.15)],
+};
+const CALL: Pose = Pose {
+    lean: -0.12,
+    turn: 0.0,
+    nod: -0.3,
+    arms: [limb(2.35, 0.35, 0.3), limb(2.35, 0.45, 0.3)],
+    legs: STRAIGHT_LEGS,
+};
+
+const CAST: &[(f32, Pose)] = &[(0.35, RAISE), (0.5, THRUST), (0.75, THRUST), (1.2, CASTER)];
+const WARD: &[(f32, Pose)] = &[(0.5, HOLD), (4.6, HOLD), (5.2, CASTER)];
+const CHANT: &[(f32, Pose)] = &[(0.5, CALL), (3.0, CALL), (3.6, CASTER)];
+
+const GOLEM_LEGS: [super::arena_figure::Limb; 2] = [limb(-0.15, 0.22, 0.2), limb(0.35, 0.22, 0.45)];
+const LOOM: Pose = Pose {
+    lean: 0.22,
+    turn: 0.0,
+    nod: 0.0,
+    arms: [limb(0.25, 0.4, 0.55), limb(0.25, 0.4, 0.55)],
+    legs: GOLEM_LEGS,
+};
+const HEAVE: Pose = Pose {
+    lean: -0.25,
+    turn: 0.0,
+    nod: -0.2,
+    arms: [limb(2.6, 0.35, 0.5), limb(2.6, 0.35, 0.5)],
+    legs: GOLEM_LEGS,
+};
+const SMASH: Pose = Pose {
+    lean: 0.75,
+    turn: 0.0,
+    nod: -0.1,
+    arms: [limb(1.15, 0.05, 0.1), limb(1.15, 0.05, 0.1)],
+    legs: [limb(-0.25, 0.25, 0.5), limb(0.75, 0.25, 1.0)],
+};
+const INHALE: Pose = Pose {
+    lean: -0.2,
+    turn: 0.1,
+    nod: -0.35,
+    arms: [limb(-0.3, 0.9, 0.9), limb(-0.3, 0.9, 0.9)],
+    legs: GOLEM_LEGS,
+};
+const BREATHE: Pose = Pose {
+    lean: 0.42,
+    turn: 0.0,
+    nod: 0.25,
+    arms: [limb(0.75, 1.0, 1.0), limb(0.2, 1.0, 1.1)],
+    legs: [limb(-0.3, 0.25, 0.35), limb(0.6, 0.25, 0.75)],
+};
+const REEL: Pose = Pose {
+    lean: -0.3,
+    turn: -0.5,
+    nod: 0.3,
+    arms: [limb(1.7, 0.3, 1.6), limb(-0.4, 0.9, 0.4)],
+    legs: [limb(0.15, 0.25, 0.5), limb(-0.2, 0.3, 0.5)],
+};
+
+/// When the golem's fists reach the ground.
+pub(super) const SMASH_SECS: f32 = 3.1;
+/// From when to when fire comes out of its mouth.
+pub(super) const BREATH_SECS: [f32; 2] = [5.1, 7.3];
+
+const GOLEM_SMASH: &[(f32, Pose)] = &[(0.7, HEAVE), (0.95, HEAVE), (1.2, SMASH), (1.8, SMASH), (2.5, LOOM)];
+const GOLEM_BREATH: &[(f32, Pose)] =
+    &[(0.5, INHALE), (0.75, BREATHE), (2.9, BREATHE), (3.2, REEL), (3.9, REEL), (4.8, LOOM)];
+
+/// Lets everybody enter.
+pub(super) fn assemble(stage: &mut Stage, palette: &Palette, seed: u32) -> Cast {
+    let mut chance = Chance::new(seed, "cast");
+    let wardrobe = Wardrobe::new(stage, palette);
+    let blue = linear_from_hex(0x2456c8);
+    let red = linear_from_hex(0x9c1c18);
+    let mut phase = || chance.unit();
+    let phases: [f32; 10] = std::array::from_fn(|_| phase());
+    let mut rocks = Chance::new(seed, "golem");
+
+    let mut hero = |index: usize, name: &str, body, marks, gaze, guard, moves| {
+        enter(stage, name, body, &Part { marks, gaze, guard, moves, phase: phases[index] })
+    };
+    let golem_at: &[(f32, f32, f32)] =
+        &[(0.0, 4.3, -3.4), (0.8, 4.3, -3.4), (1.9, 3.5, -2.6), (8.2, 3.5, -2.6), (9.8, 4.3, -3.4)];
+    let warden_at: &[(f32, f32, f32)] =
+        &[(0.0, -3.7, 1.0), (2.6, -3.7, 1.0), (3.6, -2.9, 0.9), (8.6, -2.9, 0.9), (9.8, -3.7, 1.0)];
+    Cast {
+        golem: hero(
+            0,
+            "golem",
+            arena_body::golem(&wardrobe, &mut rocks),
+            golem_at,
+            &[(0.0, -1.5, 1.0), (3.6, -1.2, 0.4), (4.6, -2.9, 0.9), (7.6, -2.9, 0.9), (9.5, -1.5, 1.0)],
+            LOOM,
+            &[(SMASH_SECS - 1.2, GOLEM_SMASH), (BREATH_SECS[0] - 0.75, GOLEM_BREATH)],
+        ),
+        warden: hero(
+            1,
+            "warden",
+            arena_body::mage(&wardrobe, Team::Heroes, blue),
+            warden_at,
+            golem_at,
+            CASTER,
+            &[(1.2, CAST), (3.7, WARD)],
+        ),
+        tidecaller: hero(
+            2,
+            "tidecaller",
+            arena_body::mage(&wardrobe, Team::Heroes, linear_from_hex(0x1a7a88)),
+            &[(0.0, -5.6, 2.9), (1.5, -5.0, 2.6), (8.8, -5.0, 2.6), (9.8, -5.6, 2.9)],
+            golem_at,
+            CASTER,
+            &[(0.7, CAST), (2.4, CAST), (4.9, CHANT)],
+        ),
+        healer: hero(
+            3,
+            "healer",
+            arena_body::mage(&wardrobe, Team::Heroes, linear_from_hex(0xd8d2c4)),
+            &[(0.0, -5.6, -1.6), (10.0, -5.6, -1.6)],
+            warden_at,
+            CASTER,
+            &[(1.9, CHANT), (6.0, CAST), (7.4, CAST)],
+        ),
+        knights: [
+            hero(
+                4,
+                "knight 1",
+                arena_body::knight(&wardrobe, blue),
+                &[(0.0, -1.9, 3.6), (1.0, -1.9, 3.6), (2.2, 0.35, 3.8), (8.3, 0.35, 3.8), (9.9, -1.9, 3.6)],
+                &[(0.0, 2.2, 3.2), (10.0, 2.2, 3.2)],
+                FIGHTER,
+                &[(2.4, SLASH), (3.7, GUARD), (5.0, SLASH), (6.4, SLASH), (7.5, GUARD)],
+            ),
+            hero(
+                5,
+                "knight 2",
+                arena_body::knight(&wardrobe, blue),
+                &[
+                    (0.0, -1.6, -1.2),
+                    (3.3, -1.6, -1.2),
+                    (4.6, 1.3, -3.9),
+                    (7.2, 1.3, -3.9),
+                    (8.0, 0.7, -4.2),
+                    (9.8, -1.6, -1.2),
+                ],
+                &[(0.0, 3.5, -2.6), (3.3, 3.5, -2.6), (4.6, 3.5, -2.6), (10.0, 3.5, -2.6)],
+                FIGHTER,
+                &[(2.7, GUARD), (4.7, SLASH), (5.8, SLASH), (6.9, SLASH)],
+            ),
+            hero(
+                6,
+                "knight 3",
+                arena_body::knight(&wardrobe, linear_from_hex(0x2a4aa8)),
+                &[
+                    (0.0, -4.4, -3.6),
+                    (1.0, -4.4, -3.6),
+                    (2.0, -3.3, -4.0),
+                    (8.6, -3.3, -4.0),
+                    (9.6, -4.4, -3.6),
+                ],
+                &[(0.0, -1.6, -4.4), (10.0, -1.6, -4.4)],
+                FIGHTER,
+                &[(2.1, SLASH), (3.4, GUARD), (4.6, SLASH), (6.2, DUCK), (7.2, SLASH)],
+            ),
+        ],
+        warlocks: [
+            hero(
+                7,
+                "warlock 1",
+                arena_body::mage(&wardrobe, Team::Raiders, linear_from_hex(0x3a1440)),
+                &[(0.0, 6.4, 1.6), (1.6, 5.3, 1.5), (8.4, 5.3, 1.5), (9.8, 6.4, 1.6)],
+                warden_at,
+                CASTER,
+                &[(1.6, CAST), (3.2, CAST), (4.8, CAST), (6.2, CAST), (7.6, CAST)],
+            ),
+            hero(
+                8,
+                "warlock 2",
+                arena_body::mage(&wardrobe, Team::Raiders, linear_from_hex(0x501018)),
+                &[(0.0, 1.0, -6.6), (10.0, 1.0, -6.6)],
+                &[(0.0, -5.0, -1.0), (10.0, -5.0, -1.0)],
+                CASTER,
+                &[(2.2, CAST), (4.2, CAST), (5.6, CAST), (7.0, CAST)],
+            ),
+        ],
+        raiders: [
+            hero(
+                9,
+                "raider 1",
+                arena_body::raider(&wardrobe, red),
+                &[(0.0, 3.9, 2.9), (0.9, 3.9, 2.9), (2.1, 1.95, 3.45), (8.2, 1.95, 3.45), (9.8, 3.9, 2.9)],
+                &[(0.0, 0.2, 3.8), (10.0, 0.2, 3.8)],
+                FIGHTER,
+                &[(2.7, DUCK), (3.6, SLASH), (5.2, GUARD), (6.7, DUCK), (7.6, SLASH)],
+            ),
+            hero(
+                0,
+                "raider 2",
+                arena_body::raider(&wardrobe, red),
+                &[(0.0, 7.4, -1.0), (3.0, 7.4, -1.0), (4.6, 6.0, 0.3), (8.0, 6.0, 0.3), (9.8, 7.4, -1.0)],
+                warden_at,
+                FIGHTER,
+                &[(5.0, GUARD), (6.6, GUARD)],
+            ),
+            hero(
+                3,
+                "raider 3",
+                arena_body::raider(&wardrobe, red),
+                &[
+                    (0.0, -0.6, -5.6),
+                    (1.0, -0.6, -5.6),
+                    (2.0, -1.7, -4.6),
+                    (8.6, -1.7, -4.6),
+                    (9.6, -0.6, -5.6),
+                ],
+                &[(0.0, -3.3, -4.0), (10.0, -3.3, -4.0)],
+                FIGHTER,
+                &[(2.3, GUARD), (3.3, SLASH), (4.8, DUCK), (6.0, SLASH), (7.3, GUARD)],
+            ),
+        ],
+    }
+}
+
+/// The middle of somebody's chest, in the space of the chest.
+pub(super) const HEART: Vec3 = Vec3::new(0.0, 0.3, 0.0);
