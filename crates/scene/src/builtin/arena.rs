@@ -29,7 +29,7 @@ pub(super) const PARAMETERS: &[ParameterInfo] = &[
 
 /// The clip starts anew after this time.
 pub(super) const CLIP_SECS: f32 = 10.0;
-const YFOV_RAD: f32 = 0.66;
+const YFOV_RAD: f32 = 0.70;
 
 pub(super) fn build(values: &Values) -> Result<Scene, SceneError> {
     let seed = values.count(SEED.key);
@@ -39,18 +39,18 @@ pub(super) fn build(values: &Values) -> Result<Scene, SceneError> {
     let cast = arena_cast::assemble(&mut stage, &palette, seed);
     arena_spell::conjure(&mut stage, &cast, Effects { amount: values.real("effects"), seed });
 
-    stage.camera(Camera::fixed("static", YFOV_RAD, Vec3::new(-1.0, 1.75, 11.6), Vec3::new(0.35, 2.15, -1.0)));
+    stage.camera(Camera::fixed("static", YFOV_RAD, Vec3::new(-0.9, 2.75, 10.5), Vec3::new(0.10, 1.85, -1.0)));
     let key = |time_secs, eye: Vec3, target: Vec3| CameraKey { time_secs, eye, target };
     stage.camera(Camera {
         name: "path".to_owned(),
         lens: Lens::Perspective { yfov_rad: 0.80 },
         motion: CameraMotion::Path {
             keys: vec![
-                key(0.0, Vec3::new(-8.4, 3.4, 7.2), Vec3::new(-0.5, 1.6, -0.5)),
-                key(2.5, Vec3::new(-5.0, 2.1, 7.0), Vec3::new(0.0, 1.6, -0.6)),
-                key(5.0, Vec3::new(-0.9, 1.6, 6.4), Vec3::new(0.5, 2.0, -1.4)),
-                key(7.0, Vec3::new(3.2, 1.5, 5.8), Vec3::new(0.2, 1.9, -1.6)),
-                key(10.0, Vec3::new(8.2, 3.0, 5.6), Vec3::new(0.0, 1.7, -1.2)),
+                key(0.0, Vec3::new(-7.6, 3.2, 5.8), Vec3::new(0.2, 1.6, -0.5)),
+                key(2.5, Vec3::new(-4.4, 1.9, 6.4), Vec3::new(0.6, 1.8, -0.6)),
+                key(5.0, Vec3::new(-0.9, 1.7, 7.4), Vec3::new(0.5, 2.0, -1.2)),
+                key(7.0, Vec3::new(3.6, 2.1, 7.6), Vec3::new(0.2, 2.0, -1.2)),
+                key(10.0, Vec3::new(8.6, 3.2, 5.0), Vec3::new(0.0, 1.7, -0.6)),
             ],
         },
     });

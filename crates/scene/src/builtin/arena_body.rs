@@ -51,8 +51,8 @@ impl Wardrobe {
             cloth: stage.material(plain("cloth", 0.85, 0.0, Vec3::ZERO)),
             wood: palette.timber,
             stone: palette.plaster,
-            lava: stage.material(plain("lava", 0.6, 0.0, Vec3::new(5.0, 1.15, 0.14))),
-            glow: [Vec3::new(0.9, 2.6, 4.4), Vec3::new(4.2, 0.35, 0.12)]
+            lava: stage.material(plain("lava", 0.6, 0.0, Vec3::new(1.25, 0.19, 0.015))),
+            glow: [Vec3::new(0.7, 1.9, 3.0), Vec3::new(1.8, 0.08, 0.03)]
                 .map(|emissive| stage.material(plain("glow", 0.3, 0.0, emissive))),
         }
     }
@@ -430,7 +430,7 @@ fn rock(model: &mut Model, wardrobe: &Wardrobe, chance: &mut Chance, centre: Vec
         })
         .collect();
     let tone = chance.between(0.8, 1.15);
-    let shape = model.paint(wardrobe.stone, linear_from_hex(0x5a5048) * tone);
+    let shape = model.paint(wardrobe.stone, linear_from_hex(0x857a70) * tone);
     for row in 0..rows {
         for column in 0..columns {
             let next = (column + 1) % columns;

@@ -64,9 +64,9 @@ pub(super) fn circle(seed: u32) -> Image<[u8; 4]> {
 pub(super) fn facet() -> Image<[u8; 4]> {
     paint_colour(128, |uv| {
         let edge = uv.x.min(uv.y).min(1.0 - uv.x - uv.y).max(0.0);
-        let line = 1.0 - smoothstep(0.012, 0.04, edge);
-        let glow = (1.0 - edge * 4.0).max(0.0).powi(3);
-        (Vec3::splat(0.35 + 0.65 * line), 0.34 + 0.22 * glow + 0.40 * line)
+        let line = 1.0 - smoothstep(0.006, 0.03, edge);
+        let glow = (1.0 - edge * 3.2).max(0.0).powi(2);
+        (Vec3::splat(0.30 + 0.30 * glow + 0.40 * line), 0.19 + 0.20 * glow + 0.17 * line)
     })
 }
 
@@ -119,7 +119,7 @@ fn flame(noise: Noise, p: Vec2, rim: f32) -> (Vec3, f32) {
     let curled = uv + 0.16 * warp;
     let body = Noise { seed: noise.seed + 7 }.fractal(curled, IVec2::splat(4), 4);
     let heat = (1.15 - 1.25 * (p + 0.35 * warp).length() + 0.75 * body).clamp(0.0, 1.0) * rim;
-    let colour = Vec3::new(1.0, heat.powf(0.9).max(0.06), heat * heat * 0.8 + 0.01);
+    let colour = Vec3::new(1.0, (0.9 * heat.powf(1.1)).max(0.05), 0.6 * heat.powi(3) + 0.004);
     (colour, smoothstep(0.04, 0.55, heat) * 0.92)
 }
 

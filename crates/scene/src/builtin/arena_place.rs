@@ -30,27 +30,33 @@ const PILLAR_HEIGHT: f32 = 5.4;
 const WALL_RADIUS: f32 = 14.2;
 pub(super) const ARENA_RADIUS: f32 = 21.0;
 /// Where fire burns, by share of a turn from +Z to +X, just within the kerb.
-const BRAZIER_TURNS: [f32; 6] = [0.14, 0.30, 0.435, 0.565, 0.70, 0.86];
+const BRAZIER_TURNS: [f32; 6] = [0.14, 0.30, 0.43, 0.525, 0.70, 0.86];
 const BRAZIER_RADIUS: f32 = 9.1;
+/// Where the sun sets: seen between two pillars from where the still camera stands, and through the gate, so that its light reaches the floor.
+const SUN_TURN: f32 = 0.542;
+const GATE_TURN: f32 = 0.545;
+/// The hills open to a valley there, within this share of a turn.
+const VALLEY_TURN: f32 = 0.07;
 const BRAZIER_SCALE: f32 = 1.25;
 
-pub(super) fn towards_sun() -> Vec3 {
-    Vec3::new(-0.62, 0.30, -0.80).normalize()
+fn towards_sun() -> Vec3 {
+    around(SUN_TURN, 1.0, 0.27).normalize()
 }
 
 /// Deep blue above, embers at the horizon where the sun goes down, and a cool glow opposite.
 pub(super) fn dusk() -> Environment {
-    let low_sun = Vec3::new(-0.62, 0.10, -0.80).normalize();
+    let low_sun = around(SUN_TURN, 1.0, 0.105).normalize();
     let lobe = |direction: Vec3, radiance: Vec3, sharpness: f32| Lobe { direction, radiance, sharpness };
     Environment {
         zenith: Vec3::new(0.022, 0.050, 0.150),
-        horizon: Vec3::new(0.16, 0.135, 0.20),
+        horizon: Vec3::new(0.135, 0.10, 0.16),
         ground: Vec3::new(0.040, 0.036, 0.045),
         lobes: vec![
-            lobe(low_sun, Vec3::new(0.62, 0.24, 0.12), 5.0),
-            lobe(low_sun, Vec3::new(1.9, 0.95, 0.38), 26.0),
-            lobe(low_sun, Vec3::new(5.0, 2.9, 1.2), 260.0),
-            lobe(Vec3::new(0.5, 0.55, 0.67).normalize(), Vec3::new(0.05, 0.085, 0.17), 2.5),
+            lobe(low_sun, Vec3::new(0.42, 0.125, 0.06), 5.0),
+            lobe(low_sun, Vec3::new(0.62, 0.23, 0.05), 22.0),
+            lobe(low_sun, Vec3::new(1.3, 0.66, 0.20), 200.0),
+            lobe(low_sun, Vec3::new(7.0, 4.4, 1.9), 2600.0),
+            lobe(Vec3::new(0.5, 0.55, 0.67).normalize(), Vec3::new(0.085, 0.13, 0.24), 2.5),
         ],
     }
 }
@@ -146,16 +152,14 @@ fn put_terraces(stage: &mut Stage, palette: &Palette, seed: u32) {
     let mut chance = Chance::new(seed, "terraces");
     let mut terraces = Model::default();
     let count = 60;
-    // The gate lies under the sun.
-    let gate = 0.605;
     for index in 0..count {
         let turns = [index as f32 / count as f32, (index as f32 + 1.0) / count as f32];
         let middle = 0.5 * (turns[0] + turns[1]);
-        let from_gate = (middle - gate).abs();
-        if from_gate < 0.035 {
+        let from_gate = (middle - GATE_TURN).abs();
+        if from_gate < 0.046 {
             continue;
         }
-        let rows = if from_gate < 0.052 { 2 } else { 5 };
+        let rows = if from_gate < 0.064 { 2 } else { 5 };
         for row in 0..rows {
             let near = WALL_RADIUS + 1.36 * row as f32;
             let high = 1.35 + 0.62 * row as f32 + chance.about(0.0, 0.012);
@@ -173,7 +177,7 @@ fn put_terraces(stage: &mut Stage, palette: &Palette, seed: u32) {
     }
     stage.put("terraces", terraces);
     // Two towers guard the gate.
-    for turn in [gate - 0.045, gate + 0.045] {
+    for turn in [GATE_TURN - 0.06, GATE_TURN + 0.06] {
         let mut tower = Model::default();
         let profile = [
             (1.75, -0.3),
@@ -287,7 +291,7 @@ fn put_pillars(stage: &mut Stage, palette: &Palette, seed: u32) {
             stage.put_at("rubble", rubble(palette, &mut chance), place);
             continue;
         }
-        // Heroes hang theirs on the left, raiders on the right.
+        // The heroes' hang on the left, the raiders' on the right.
         let left = turn_of(index) > 0.5;
         let tint = if left { Vec3::new(0.10, 0.20, 0.62) } else { Vec3::new(0.62, 0.055, 0.04) };
         let mut banner = Model::default();
@@ -396,7 +400,8 @@ fn put_hills(stage: &mut Stage, palette: &Palette, seed: u32) {
                 glam::IVec2::new(9 + 4 * ridge as i32, 5),
                 5,
             );
-            around(turn, radius, height * (0.75 + 0.8 * relief).max(0.15))
+            let open = smoothstep(0.1 * VALLEY_TURN, VALLEY_TURN, (turn - SUN_TURN).abs());
+            around(turn, radius, height * (0.75 + 0.8 * relief).max(0.15) * (0.22 + 0.78 * open))
         };
         let shape = hills.paint(palette.plaster, tint);
         for index in 0..count {

@@ -19,7 +19,9 @@ use super::{
     stage::Stage,
 };
 use crate::{
-    model::{AlphaMode, Animation, Channel, Interpolation, Keys, Material, ShadingModel, TextureRef, Track},
+    model::{
+        AlphaMode, Animation, Channel, Interpolation, Keys, Material, ShadingModel, TextureRef, Track,
+    },
     particle::{Particle, ParticleSystem, Turbulence},
 };
 
@@ -162,11 +164,11 @@ impl Conjurer<'_> {
         let shields: [(&Actor, f32, Vec3, [f32; 2]); 9] = [
             (&cast.tidecaller, 1.30, SEA, [1.5, 8.7]),
             (&cast.healer, 1.30, GOLD, [2.1, 8.3]),
-            (&cast.warlocks[0], 1.35, VIOLET, [2.7, 8.4]),
-            (&cast.knights[2], 1.35, ICE, [3.0, 8.0]),
-            (&cast.knights[0], 1.40, ICE, [3.5, 7.8]),
+            (&cast.warlocks[0], 1.25, VIOLET, [2.7, 8.4]),
+            (&cast.knights[2], 1.20, ICE, [3.0, 8.0]),
+            (&cast.knights[0], 1.22, ICE, [3.5, 7.8]),
             (&cast.warlocks[1], 1.35, EMBER, [3.9, 7.7]),
-            (&cast.knights[1], 1.40, ICE, [4.5, 7.5]),
+            (&cast.knights[1], 1.22, ICE, [4.5, 7.5]),
             (&cast.raiders[1], 1.35, EMBER, [5.0, 7.3]),
             (&cast.warden, 1.25, ICE, [5.5, 7.6]),
         ];
@@ -178,7 +180,7 @@ impl Conjurer<'_> {
                 name: "shield".to_owned(),
                 base_colour: (0.25 * colour).extend(0.80),
                 base_colour_texture: Some(TextureRef::new(facet)),
-                emissive: 1.1 * colour,
+                emissive: 0.95 * colour,
                 emissive_texture: Some(TextureRef::new(facet)),
                 alpha_mode: AlphaMode::Blend,
                 roughness: 0.16,
@@ -218,8 +220,7 @@ impl Conjurer<'_> {
             let node = self.stage.joint("barrier", None, warden);
             self.stage.hang(&prop, node);
             let turn = Quat::from_rotation_y(towards.x.atan2(towards.z));
-            let keys =
-                Keys { times_secs: vec![0.0], values: vec![turn], interpolation: Interpolation::Linear };
+            let keys = Keys { times_secs: vec![0.0], values: vec![turn], interpolation: Interpolation::Linear };
             self.channels.push(Channel { node, track: Track::Rotation(keys) });
             let late = 0.12 * shell as f32 / self.amount.max(1.0);
             // It rises out of the ground and sinks back into it.
@@ -347,16 +348,19 @@ impl Conjurer<'_> {
         let [green, red] = [Vec4::new(0.10, 0.85, 0.16, 0.80), Vec4::new(0.95, 0.10, 0.05, 0.80)]
             .map(|colour| self.shining("health", None, colour));
         let cast = self.cast;
-        let heroes = [&cast.warden, &cast.tidecaller, &cast.healer].into_iter().chain(&cast.knights);
-        let raiders = cast.warlocks.iter().chain(&cast.raiders);
-        let everybody = heroes.map(|actor| (actor, green, 2.55, 0.42));
-        let everybody = everybody.chain(raiders.map(|actor| (actor, red, 2.55, 0.42)));
-        for (actor, colour, height, half) in everybody.chain([(&cast.golem, red, 5.35, 1.1)]) {
-            let tall = 0.09 * f32::sqrt(half / 0.42);
+        // Hats are higher than helmets.
+        let [hat, helmet] = [2.42, 2.16];
+        let bar = |colour, height| move |actor| (actor, colour, height, 0.40);
+        let everybody = [&cast.warden, &cast.tidecaller, &cast.healer].into_iter().map(bar(green, hat));
+        let everybody = everybody.chain(cast.knights.iter().map(bar(green, helmet)));
+        let everybody = everybody.chain(cast.warlocks.iter().map(bar(red, hat)));
+        let everybody = everybody.chain(cast.raiders.iter().map(bar(red, helmet)));
+        for (actor, colour, height, half) in everybody.chain([(&cast.golem, red, 4.7, 1.0)]) {
+            let tall = 0.075 * f32::sqrt(half / 0.40);
             let node = self.stage.joint("health", None, Vec3::ZERO);
             self.channels.push(actor.follow(node, height));
             let mut card = Model::default();
-            let rim = 0.03;
+            let rim = 0.025;
             card.paint(frame, Vec3::ONE).panel(
                 Vec3::new(-half - rim, -0.5 * tall - rim, 0.0),
                 Vec3::X * 2.0 * (half + rim),
@@ -375,8 +379,11 @@ impl Conjurer<'_> {
             self.stage.hang(&prop, full);
             // Three blows; the clip ends with all of them healed, since it loops.
             let mut left = 1.0;
-            let mut keys =
-                Keys { times_secs: vec![0.0], values: vec![Vec3::ONE], interpolation: Interpolation::Linear };
+            let mut keys = Keys {
+                times_secs: vec![0.0],
+                values: vec![Vec3::ONE],
+                interpolation: Interpolation::Linear,
+            };
             for blow in 0..3 {
                 let start = 2.6 + 1.7 * blow as f32 + self.chance.about(0.0, 0.5);
                 keys.times_secs.extend([start, start + 0.15]);
@@ -425,17 +432,11 @@ impl Conjurer<'_> {
         let aim = target.point(CHEST, HEART, start + 0.6) + self.chance.gaussian() * 0.15;
         let to = aim - (aim - from).normalize() * before;
         let flight_secs = from.distance(to) / 11.0;
-        let bend = Vec3::new(
-            self.chance.about(0.0, 5.0),
-            self.chance.between(-9.0, -1.0),
-            self.chance.about(0.0, 5.0),
-        );
+        let bend = Vec3::new(self.chance.about(0.0, 5.0), self.chance.between(-9.0, -1.0), self.chance.about(0.0, 5.0));
         let velocity = (to - from) / flight_secs - 0.5 * bend * flight_secs;
         let flying = Particle { velocity, acceleration: bend, ..mote(start, flight_secs, from) };
         let white = Vec3::splat(0.5) + colour;
-        for (half_size, alpha, tint) in
-            [(0.55, 0.45, 2.0 * colour), (0.24, 0.85, 3.5 * colour), (0.11, 1.0, 6.0 * white)]
-        {
+        for (half_size, alpha, tint) in [(0.55, 0.45, 2.0 * colour), (0.24, 0.85, 3.5 * colour), (0.11, 1.0, 6.0 * white)] {
             self.light.push(Particle { half_size: [half_size; 2], alpha, tint, ..flying });
         }
         for _ in 0..self.number(22) {
@@ -491,7 +492,7 @@ impl Conjurer<'_> {
                 rotation_rad: self.chance.between(0.0, TAU),
                 spin_rad_per_sec: self.chance.about(0.0, 5.0),
                 alpha: self.chance.between(0.45, 0.9),
-                tint: Vec3::new(4.6, 2.6, 1.3) * (0.55 + 0.9 * heat * heat),
+                tint: Vec3::new(2.3, 1.3, 0.5) * (0.5 + 0.9 * heat * heat),
                 tile: self.chance.below(FLAME_TILES),
                 ..mote(birth_secs, lifetime_secs, mouth + self.chance.gaussian() * 0.06)
             });
@@ -504,13 +505,12 @@ impl Conjurer<'_> {
             self.fire.push(Particle {
                 velocity: along * speed + towards * 0.25,
                 // The wall is round: what spreads along it turns around it.
-                acceleration: towards * (-0.35 * speed * angle.cos().powi(2)) + Vec3::Y * 1.3
-                    - along * speed * 0.5,
+                acceleration: towards * (-0.35 * speed * angle.cos().powi(2)) + Vec3::Y * 1.3 - along * speed * 0.5,
                 half_size: [0.16, self.chance.between(0.26, 0.52)],
                 rotation_rad: self.chance.between(0.0, TAU),
                 spin_rad_per_sec: self.chance.about(0.0, 4.0),
                 alpha: self.chance.between(0.35, 0.8),
-                tint: Vec3::new(4.2, 2.2, 0.9) * self.chance.between(0.5, 1.2),
+                tint: Vec3::new(2.0, 1.0, 0.35) * self.chance.between(0.35, 1.0),
                 tile: self.chance.below(FLAME_TILES),
                 ..mote(birth_secs, self.chance.between(0.45, 0.95), hit + self.chance.gaussian() * 0.12)
             });
@@ -518,9 +518,7 @@ impl Conjurer<'_> {
         for _ in 0..self.number(70) {
             let birth_secs = self.chance.between(BREATH_SECS[0] + 0.6, BREATH_SECS[1] + 0.6);
             self.dust.push(Particle {
-                velocity: Vec3::Y * self.chance.between(0.7, 1.3)
-                    + towards * 0.2
-                    + self.chance.gaussian() * 0.15,
+                velocity: Vec3::Y * self.chance.between(0.7, 1.3) + towards * 0.2 + self.chance.gaussian() * 0.15,
                 half_size: [0.3, self.chance.between(0.7, 1.2)],
                 alpha: self.chance.between(0.12, 0.3),
                 tint: Vec3::splat(0.13),
@@ -532,15 +530,14 @@ impl Conjurer<'_> {
         let time = [BREATH_SECS[0] + 0.1, BREATH_SECS[1] + 0.2];
         // Beside the jet, which would swallow its light.
         let beside = mouth.lerp(hit, 0.62) + side * 0.9 + Vec3::Y * 0.5;
-        let beside =
-            if beside.z > hit.z { beside } else { mouth.lerp(hit, 0.62) - side * 0.9 + Vec3::Y * 0.5 };
-        self.flare("breath", beside, Vec3::new(46.0, 17.0, 4.2), 11.0, time);
+        let beside = if beside.z > hit.z { beside } else { mouth.lerp(hit, 0.62) - side * 0.9 + Vec3::Y * 0.5 };
+        self.flare("breath", beside, Vec3::new(38.0, 14.0, 3.2), 11.0, time);
     }
 
     /// Water that is thrown in an arc at the golem, splashes and turns to steam.
     fn call_water(&mut self) {
         let flight_secs = 0.95;
-        for index in 0..self.number(620) {
+        for index in 0..self.number(1200) {
             let birth_secs = self.chance.between(WATER_SECS[0], WATER_SECS[1]);
             let from = self.cast.tidecaller.point(RIGHT_HAND, staff_tip(), birth_secs);
             let aim = self.cast.golem.point(CHEST, Vec3::new(0.3, 1.1, 0.75), birth_secs + flight_secs);
@@ -549,11 +546,7 @@ impl Conjurer<'_> {
             let strand = Vec3::new(0.3 * turn.cos(), 0.3 * turn.sin(), 0.0);
             let to = aim + 1.1 * strand + self.chance.gaussian() * 0.14;
             let velocity = (to - from) / flight_secs - 0.5 * GRAVITY * flight_secs;
-            let size = if self.chance.happens(0.25) {
-                self.chance.between(0.10, 0.17)
-            } else {
-                self.chance.between(0.03, 0.07)
-            };
+            let size = if self.chance.happens(0.15) { self.chance.between(0.05, 0.08) } else { self.chance.between(0.022, 0.048) };
             self.drops.push(Particle {
                 velocity,
                 acceleration: GRAVITY,
@@ -563,7 +556,7 @@ impl Conjurer<'_> {
                 tile: DROP,
                 ..mote(birth_secs, flight_secs, from + 0.5 * strand)
             });
-            if index % 3 == 0 {
+            if index.is_multiple_of(3) {
                 let size = self.chance.between(0.025, 0.06);
                 let out = self.chance.direction() - 0.5 * velocity.normalize() + Vec3::Y * 0.5;
                 self.drops.push(Particle {
@@ -576,7 +569,7 @@ impl Conjurer<'_> {
                     ..mote(birth_secs + flight_secs, self.chance.between(0.35, 0.7), to)
                 });
             }
-            if index % 9 == 0 {
+            if index.is_multiple_of(12) {
                 let rise = Vec3::Y * self.chance.between(0.5, 1.1);
                 self.dust.push(Particle {
                     velocity: rise + self.chance.gaussian() * 0.2,
@@ -595,21 +588,15 @@ impl Conjurer<'_> {
             let fist = self.cast.golem.point(hand, Vec3::Y * -1.2, SMASH_SECS + 0.05).with_y(0.15);
             for _ in 0..self.number(60) {
                 let around = Vec2::from_angle(self.chance.between(0.0, TAU));
-                let out = Vec3::new(around.x, self.chance.between(0.05, 0.4), around.y)
-                    * self.chance.between(0.9, 2.9);
+                let out = Vec3::new(around.x, self.chance.between(0.05, 0.4), around.y) * self.chance.between(0.9, 2.9);
                 let lifetime_secs = self.chance.between(1.4, 2.8);
                 self.dust.push(Particle {
                     velocity: out,
                     acceleration: -out / lifetime_secs * 0.85,
                     half_size: [0.2, self.chance.between(0.5, 0.95)],
-                    alpha: self.chance.between(0.14, 0.38),
-                    tint: Vec3::new(0.60, 0.52, 0.45),
-                    ..puff(
-                        SMASH_SECS + self.chance.between(-0.02, 0.1),
-                        lifetime_secs,
-                        fist,
-                        &mut self.chance,
-                    )
+                    alpha: self.chance.between(0.20, 0.48),
+                    tint: Vec3::new(0.95, 0.82, 0.70),
+                    ..puff(SMASH_SECS + self.chance.between(-0.02, 0.1), lifetime_secs, fist, &mut self.chance)
                 });
             }
             for _ in 0..self.number(40) {
@@ -637,7 +624,7 @@ impl Conjurer<'_> {
                 velocity: self.chance.gaussian() * Vec3::new(0.22, 0.05, 0.22) + Vec3::Y * 0.12,
                 half_size: [0.2, self.chance.between(0.45, 0.85)],
                 alpha: self.chance.between(0.06, 0.20),
-                tint: Vec3::new(0.58, 0.50, 0.44),
+                tint: Vec3::new(0.80, 0.70, 0.60),
                 ..puff(birth_secs, self.chance.between(1.2, 2.4), at, &mut self.chance)
             });
         }
@@ -658,7 +645,7 @@ impl Conjurer<'_> {
                     rotation_rad: self.chance.between(0.0, TAU),
                     spin_rad_per_sec: self.chance.about(0.0, 2.5),
                     alpha: self.chance.between(0.45, 0.85),
-                    tint: Vec3::new(4.2, 2.3, 1.0) * self.chance.between(0.5, 1.1),
+                    tint: Vec3::new(2.2, 1.25, 0.45) * self.chance.between(0.45, 1.1),
                     tile: self.chance.below(FLAME_TILES),
                     ..mote(self.chance.between(0.0, loop_secs), lifetime_secs, fire + around + Vec3::Y * 0.2)
                 });
@@ -721,25 +708,20 @@ impl Conjurer<'_> {
     fn clouds(&mut self) -> Vec<Particle> {
         let mut clouds = Vec::new();
         for bank in 0..self.number(9) {
-            let turn = 0.5 + 0.11 * (bank as f32 - 4.0) + self.chance.about(0.0, 0.04);
-            let middle =
-                arena_place::around(turn, self.chance.between(60.0, 75.0), self.chance.between(17.0, 34.0));
+            let turn = 0.53 + 0.045 * (bank as f32 - 4.0) + self.chance.about(0.0, 0.015);
+            let middle = arena_place::around(turn, self.chance.between(155.0, 170.0), self.chance.between(34.0, 60.0));
             let across = Vec3::Y.cross(middle).normalize();
             for _ in 0..7 {
                 let stray = self.chance.gaussian();
                 let birth_secs = self.chance.between(0.0, CLIP_SECS);
                 clouds.push(Particle {
                     velocity: across * 0.25,
-                    half_size: [5.0, 6.5],
+                    half_size: [9.0, 12.0],
                     alpha: self.chance.between(0.22, 0.5),
-                    tint: Vec3::new(0.55, 0.50, 0.58),
+                    // Light scatters many times in a cloud; scattered once it would be grey against the sky.
+                    tint: Vec3::new(2.3, 1.6, 1.5),
                     spin_rad_per_sec: 0.0,
-                    ..puff(
-                        birth_secs,
-                        CLIP_SECS,
-                        middle + across * (7.0 * stray.x) + Vec3::Y * (1.1 * stray.y),
-                        &mut self.chance,
-                    )
+                    ..puff(birth_secs, CLIP_SECS, middle + across * (13.0 * stray.x) + Vec3::Y * (1.8 * stray.y), &mut self.chance)
                 });
             }
         }
