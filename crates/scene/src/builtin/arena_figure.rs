@@ -123,6 +123,9 @@ impl Pose {
     }
 }
 
+/// Poses with seconds since the start of a move.
+pub(super) type Move = &'static [(f32, Pose)];
+
 /// A figure's part in the fight.
 pub(super) struct Part<'a> {
     /// Where it stands when: seconds, x, z. Between marks that differ it walks; the last is the first, since the clip loops.
@@ -131,8 +134,8 @@ pub(super) struct Part<'a> {
     pub(super) gaze: &'a [(f32, f32, f32)],
     /// How it stands when nothing happens.
     pub(super) guard: Pose,
-    /// When a move begins, and its poses with seconds from there; it ends in the guard.
-    pub(super) moves: &'a [(f32, &'a [(f32, Pose)])],
+    /// When a move begins, and which; it ends in the guard.
+    pub(super) moves: &'a [(f32, Move)],
     /// Shifts its breath against that of others, in turns.
     pub(super) phase: f32,
 }
@@ -144,6 +147,7 @@ pub(super) struct Actor {
     pub(super) root: u32,
     /// World from joint at each key.
     keys: Vec<[Affine3A; JOINT_COUNT]>,
+    moves: Vec<(f32, Move)>,
 }
 
 impl Actor {
@@ -153,6 +157,11 @@ impl Actor {
         let before = (at as usize).min(self.keys.len() - 2);
         let [from, to] = [before, before + 1].map(|key| self.keys[key][joint].transform_point3(offset));
         from.lerp(to, at - before as f32)
+    }
+
+    /// When it begins this move.
+    pub(super) fn starts(&self, wanted: Move) -> impl Iterator<Item = f32> {
+        self.moves.iter().filter(move |(_, own)| *own == wanted).map(|(start, _)| *start)
     }
 
     /// Lets a node go where the figure goes, upright, `height` above the ground.
@@ -289,18 +298,10 @@ pub(super) fn enter(stage: &mut Stage, name: &str, body: Body, part: &Part<'_>) 
         let prop = stage.prop(&format!("{name}: {}", JOINT_NAMES[joint]), model);
         stage.hang(&prop, nodes[joint]);
     }
-    if let Some((model, length)) = body.cape {
+    if let Some(cape) = body.cape {
         let speeds: Vec<f32> = played.iter().map(|(_, speed)| *speed).collect();
-        channels.extend(wear_cape(
-            stage,
-            name,
-            model,
-            &body.build,
-            length,
-            nodes[CHEST],
-            &speeds,
-            part.phase,
-        ));
+        let top = Vec3::new(0.0, body.build.shoulder_height + 0.03, -0.15);
+        channels.extend(wear_cape(stage, name, cape, (nodes[CHEST], top), &speeds, part.phase));
     }
     stage.animate(Animation { name: name.to_owned(), channels });
     let world = |(joints, _): &([(Vec3, Quat); JOINT_COUNT], f32)| {
@@ -311,22 +312,19 @@ pub(super) fn enter(stage: &mut Stage, name: &str, body: Body, part: &Part<'_>) 
         }
         world
     };
-    Actor { root: nodes[ROOT], keys: played.iter().map(world).collect() }
+    Actor { root: nodes[ROOT], keys: played.iter().map(world).collect(), moves: part.moves.to_vec() }
 }
 
-/// A cape bends along a chain of joints: it trails behind a figure that runs, and sways.
-#[expect(clippy::too_many_arguments, reason = "all of a figure's that a cape hangs on")]
+/// A cape of a length, hung up at a point in the space of the chest, bends along a chain of joints: it trails behind a figure that runs, and
+/// sways.
 fn wear_cape(
     stage: &mut Stage,
     name: &str,
-    model: Model,
-    build: &Build,
-    length: f32,
-    chest: u32,
+    (model, length): (Model, f32),
+    (chest, top): (u32, Vec3),
     speeds: &[f32],
     phase: f32,
 ) -> Vec<Channel> {
-    let top = Vec3::new(0.0, build.shoulder_height + 0.03, -0.15);
     let link = length / (CAPE_JOINTS - 1) as f32;
     let origins: Vec<Vec3> = (0..CAPE_JOINTS).map(|joint| top - Vec3::Y * (link * joint as f32)).collect();
     let mut joints: Vec<u32> = Vec::new();
@@ -392,7 +390,8 @@ mod tests {
     #[test]
     fn a_part_holds_its_guard_before_and_after_a_move() {
         let raised = Pose { lean: 1.0, ..Pose::default() };
-        let moves: &[(f32, &[(f32, Pose)])] = &[(2.0, &[(0.5, raised), (1.0, Pose::default())])];
+        let nod: Move = Box::leak(Box::new([(0.5, raised), (1.0, Pose::default())]));
+        let moves: &[(f32, Move)] = &[(2.0, nod)];
         let marks = &[(0.0, 0.0, 0.0), (10.0, 0.0, 0.0)];
         let part = Part { marks, gaze: marks, guard: Pose::default(), moves, phase: 0.0 };
         assert!((part.pose(2.5).lean - 1.0).abs() < 0.03);

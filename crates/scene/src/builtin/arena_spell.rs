@@ -9,7 +9,7 @@ use glam::{Quat, Vec2, Vec3, Vec4};
 use super::{
     arena::CLIP_SECS,
     arena_body::{GOLEM_MOUTH, crescent, staff_tip},
-    arena_cast::{BREATH_SECS, Cast, HEART, SMASH_SECS},
+    arena_cast::{BARRIER_SECS, BREATH_SECS, CAST, Cast, HEART, SLASH, SMASH_SECS, WATER_SECS},
     arena_figure::{Actor, CHEST, HEAD, LEFT_HAND, RIGHT_HAND, ROOT},
     arena_paint::{self, DROP, FLAME_ATLAS, FLAME_TILES, GLOW, SPARK},
     arena_place,
@@ -19,9 +19,7 @@ use super::{
     stage::Stage,
 };
 use crate::{
-    model::{
-        AlphaMode, Animation, Channel, Interpolation, Keys, Material, ShadingModel, TextureRef, Track,
-    },
+    model::{AlphaMode, Animation, Channel, Interpolation, Keys, Material, ShadingModel, TextureRef, Track},
     particle::{Particle, ParticleSystem, Turbulence},
 };
 
@@ -44,9 +42,6 @@ const EMBER: Vec3 = Vec3::new(1.0, 0.26, 0.05);
 const BARRIER_RADIUS: f32 = 2.1;
 const BARRIER_HALF_TURN_RAD: f32 = 1.15;
 const BARRIER_HEIGHT: f32 = 3.3;
-const BARRIER_SECS: [f32; 2] = [4.1, 8.3];
-/// While water is called.
-const WATER_SECS: [f32; 2] = [5.4, 7.8];
 const GRAVITY: Vec3 = Vec3::new(0.0, -9.81, 0.0);
 
 /// Effects in the making.
@@ -220,7 +215,8 @@ impl Conjurer<'_> {
             let node = self.stage.joint("barrier", None, warden);
             self.stage.hang(&prop, node);
             let turn = Quat::from_rotation_y(towards.x.atan2(towards.z));
-            let keys = Keys { times_secs: vec![0.0], values: vec![turn], interpolation: Interpolation::Linear };
+            let keys =
+                Keys { times_secs: vec![0.0], values: vec![turn], interpolation: Interpolation::Linear };
             self.channels.push(Channel { node, track: Track::Rotation(keys) });
             let late = 0.12 * shell as f32 / self.amount.max(1.0);
             // It rises out of the ground and sinks back into it.
@@ -321,22 +317,16 @@ impl Conjurer<'_> {
         let cast = self.cast;
         let bright = self.shining("trail", Some(texture), Vec4::new(1.5, 2.1, 2.8, 0.9));
         let dark = self.shining("trail", Some(texture), Vec4::new(2.8, 0.55, 0.16, 0.9));
-        // As the parts in the fight have it.
-        let swings: [(&Actor, u32, &[f32]); 5] = [
-            (&cast.knights[0], bright, &[2.4, 5.0, 6.4]),
-            (&cast.knights[1], bright, &[4.7, 5.8, 6.9]),
-            (&cast.knights[2], bright, &[2.1, 4.6, 7.2]),
-            (&cast.raiders[0], dark, &[3.6, 7.6]),
-            (&cast.raiders[2], dark, &[3.3, 6.0]),
-        ];
-        for (actor, material, starts) in swings {
+        let heroes = cast.knights.iter().map(|actor| (actor, bright));
+        for (actor, material) in heroes.chain(cast.raiders.iter().map(|actor| (actor, dark))) {
             let prop = self.stage.prop("trail", crescent(material, 0.55, 1.65));
-            for start in starts {
+            for start in actor.starts(SLASH) {
                 if !self.next_is_there() {
                     continue;
                 }
                 let node = self.stage.joint("trail", Some(actor.root), Vec3::Y * 1.25);
                 self.stage.hang(&prop, node);
+                // While the blade comes down, and a little longer.
                 self.show(node, [start + 0.30, start + 0.72], 0.10, Vec3::ONE, Vec3::ZERO);
             }
         }
@@ -379,11 +369,8 @@ impl Conjurer<'_> {
             self.stage.hang(&prop, full);
             // Three blows; the clip ends with all of them healed, since it loops.
             let mut left = 1.0;
-            let mut keys = Keys {
-                times_secs: vec![0.0],
-                values: vec![Vec3::ONE],
-                interpolation: Interpolation::Linear,
-            };
+            let mut keys =
+                Keys { times_secs: vec![0.0], values: vec![Vec3::ONE], interpolation: Interpolation::Linear };
             for blow in 0..3 {
                 let start = 2.6 + 1.7 * blow as f32 + self.chance.about(0.0, 0.5);
                 keys.times_secs.extend([start, start + 0.15]);
@@ -399,29 +386,25 @@ impl Conjurer<'_> {
 
     fn throw_bolts(&mut self) {
         let cast = self.cast;
-        let golem = &cast.golem;
-        // Who, with the start of the move, at whom, and how far before the heart it bursts.
-        let throws: [(&Actor, f32, &Actor, f32, Vec3); 15] = [
-            (&cast.tidecaller, 0.7, golem, 0.7, SEA),
-            (&cast.warden, 1.2, golem, 0.7, ICE),
-            (&cast.warlocks[0], 1.6, &cast.tidecaller, 1.35, VIOLET),
-            (&cast.warlocks[1], 2.2, &cast.healer, 1.35, EMBER),
-            (&cast.tidecaller, 2.4, golem, 0.7, SEA),
-            (&cast.warlocks[0], 3.2, &cast.tidecaller, 1.35, VIOLET),
-            (&cast.warlocks[1], 4.2, &cast.knights[2], 1.4, EMBER),
-            (&cast.warlocks[0], 4.8, &cast.knights[0], 1.45, VIOLET),
-            (&cast.warlocks[1], 5.6, &cast.healer, 1.35, EMBER),
-            (&cast.healer, 6.0, &cast.raiders[2], 0.3, GOLD),
-            (&cast.warlocks[0], 6.2, &cast.knights[0], 1.45, VIOLET),
-            (&cast.warlocks[1], 7.0, &cast.knights[2], 1.4, EMBER),
-            (&cast.healer, 7.4, &cast.raiders[2], 0.3, GOLD),
-            (&cast.warlocks[0], 7.6, &cast.tidecaller, 1.35, VIOLET),
-            (&cast.tidecaller, 4.2, golem, 0.7, SEA),
+        let golem = (&cast.golem, 0.7);
+        let (tidecaller, healer) = ((&cast.tidecaller, 1.35), (&cast.healer, 1.35));
+        let [in_front, _, behind] = &cast.knights;
+        let (in_front, behind) = ((in_front, 1.3), (behind, 1.3));
+        // Who, and at whom in turn: each with how far before the heart a bolt bursts, which is where their shield is.
+        let throws: [(&Actor, Vec3, &[(&Actor, f32)]); 5] = [
+            (&cast.warden, ICE, &[golem]),
+            (&cast.tidecaller, SEA, &[golem]),
+            (&cast.healer, GOLD, &[(&cast.raiders[2], 0.3)]),
+            (&cast.warlocks[0], VIOLET, &[tidecaller, tidecaller, in_front, in_front, tidecaller]),
+            (&cast.warlocks[1], EMBER, &[healer, behind]),
         ];
-        for (caster, start, target, before, colour) in throws {
-            for shot in 0..self.number(3) {
-                let start = start + 0.46 + 0.11 * shot as f32;
-                self.throw(caster, start, target, before, colour);
+        for (caster, colour, targets) in throws {
+            for (start, &(target, before)) in caster.starts(CAST).zip(targets.iter().cycle()) {
+                for shot in 0..self.number(3) {
+                    // With the thrust of the staff; one after the other, the whole salvo in a third of a second.
+                    let start = start + 0.46 + 0.33 * shot as f32 / (3.0 * self.amount);
+                    self.throw(caster, start, target, before, colour);
+                }
             }
         }
     }
@@ -432,11 +415,17 @@ impl Conjurer<'_> {
         let aim = target.point(CHEST, HEART, start + 0.6) + self.chance.gaussian() * 0.15;
         let to = aim - (aim - from).normalize() * before;
         let flight_secs = from.distance(to) / 11.0;
-        let bend = Vec3::new(self.chance.about(0.0, 5.0), self.chance.between(-9.0, -1.0), self.chance.about(0.0, 5.0));
+        let bend = Vec3::new(
+            self.chance.about(0.0, 5.0),
+            self.chance.between(-9.0, -1.0),
+            self.chance.about(0.0, 5.0),
+        );
         let velocity = (to - from) / flight_secs - 0.5 * bend * flight_secs;
         let flying = Particle { velocity, acceleration: bend, ..mote(start, flight_secs, from) };
         let white = Vec3::splat(0.5) + colour;
-        for (half_size, alpha, tint) in [(0.55, 0.45, 2.0 * colour), (0.24, 0.85, 3.5 * colour), (0.11, 1.0, 6.0 * white)] {
+        for (half_size, alpha, tint) in
+            [(0.55, 0.45, 2.0 * colour), (0.24, 0.85, 3.5 * colour), (0.11, 1.0, 6.0 * white)]
+        {
             self.light.push(Particle { half_size: [half_size; 2], alpha, tint, ..flying });
         }
         for _ in 0..self.number(22) {
@@ -505,7 +494,8 @@ impl Conjurer<'_> {
             self.fire.push(Particle {
                 velocity: along * speed + towards * 0.25,
                 // The wall is round: what spreads along it turns around it.
-                acceleration: towards * (-0.35 * speed * angle.cos().powi(2)) + Vec3::Y * 1.3 - along * speed * 0.5,
+                acceleration: towards * (-0.35 * speed * angle.cos().powi(2)) + Vec3::Y * 1.3
+                    - along * speed * 0.5,
                 half_size: [0.16, self.chance.between(0.26, 0.52)],
                 rotation_rad: self.chance.between(0.0, TAU),
                 spin_rad_per_sec: self.chance.about(0.0, 4.0),
@@ -518,7 +508,9 @@ impl Conjurer<'_> {
         for _ in 0..self.number(70) {
             let birth_secs = self.chance.between(BREATH_SECS[0] + 0.6, BREATH_SECS[1] + 0.6);
             self.dust.push(Particle {
-                velocity: Vec3::Y * self.chance.between(0.7, 1.3) + towards * 0.2 + self.chance.gaussian() * 0.15,
+                velocity: Vec3::Y * self.chance.between(0.7, 1.3)
+                    + towards * 0.2
+                    + self.chance.gaussian() * 0.15,
                 half_size: [0.3, self.chance.between(0.7, 1.2)],
                 alpha: self.chance.between(0.12, 0.3),
                 tint: Vec3::splat(0.13),
@@ -530,7 +522,8 @@ impl Conjurer<'_> {
         let time = [BREATH_SECS[0] + 0.1, BREATH_SECS[1] + 0.2];
         // Beside the jet, which would swallow its light.
         let beside = mouth.lerp(hit, 0.62) + side * 0.9 + Vec3::Y * 0.5;
-        let beside = if beside.z > hit.z { beside } else { mouth.lerp(hit, 0.62) - side * 0.9 + Vec3::Y * 0.5 };
+        let beside =
+            if beside.z > hit.z { beside } else { mouth.lerp(hit, 0.62) - side * 0.9 + Vec3::Y * 0.5 };
         self.flare("breath", beside, Vec3::new(38.0, 14.0, 3.2), 11.0, time);
     }
 
@@ -546,7 +539,11 @@ impl Conjurer<'_> {
             let strand = Vec3::new(0.3 * turn.cos(), 0.3 * turn.sin(), 0.0);
             let to = aim + 1.1 * strand + self.chance.gaussian() * 0.14;
             let velocity = (to - from) / flight_secs - 0.5 * GRAVITY * flight_secs;
-            let size = if self.chance.happens(0.15) { self.chance.between(0.05, 0.08) } else { self.chance.between(0.022, 0.048) };
+            let size = if self.chance.happens(0.15) {
+                self.chance.between(0.05, 0.08)
+            } else {
+                self.chance.between(0.022, 0.048)
+            };
             self.drops.push(Particle {
                 velocity,
                 acceleration: GRAVITY,
@@ -588,7 +585,8 @@ impl Conjurer<'_> {
             let fist = self.cast.golem.point(hand, Vec3::Y * -1.2, SMASH_SECS + 0.05).with_y(0.15);
             for _ in 0..self.number(60) {
                 let around = Vec2::from_angle(self.chance.between(0.0, TAU));
-                let out = Vec3::new(around.x, self.chance.between(0.05, 0.4), around.y) * self.chance.between(0.9, 2.9);
+                let out = Vec3::new(around.x, self.chance.between(0.05, 0.4), around.y)
+                    * self.chance.between(0.9, 2.9);
                 let lifetime_secs = self.chance.between(1.4, 2.8);
                 self.dust.push(Particle {
                     velocity: out,
@@ -596,7 +594,12 @@ impl Conjurer<'_> {
                     half_size: [0.2, self.chance.between(0.5, 0.95)],
                     alpha: self.chance.between(0.20, 0.48),
                     tint: Vec3::new(0.95, 0.82, 0.70),
-                    ..puff(SMASH_SECS + self.chance.between(-0.02, 0.1), lifetime_secs, fist, &mut self.chance)
+                    ..puff(
+                        SMASH_SECS + self.chance.between(-0.02, 0.1),
+                        lifetime_secs,
+                        fist,
+                        &mut self.chance,
+                    )
                 });
             }
             for _ in 0..self.number(40) {
@@ -709,7 +712,8 @@ impl Conjurer<'_> {
         let mut clouds = Vec::new();
         for bank in 0..self.number(9) {
             let turn = 0.53 + 0.045 * (bank as f32 - 4.0) + self.chance.about(0.0, 0.015);
-            let middle = arena_place::around(turn, self.chance.between(155.0, 170.0), self.chance.between(34.0, 60.0));
+            let middle =
+                arena_place::around(turn, self.chance.between(155.0, 170.0), self.chance.between(34.0, 60.0));
             let across = Vec3::Y.cross(middle).normalize();
             for _ in 0..7 {
                 let stray = self.chance.gaussian();
@@ -721,7 +725,12 @@ impl Conjurer<'_> {
                     // Light scatters many times in a cloud; scattered once it would be grey against the sky.
                     tint: Vec3::new(2.3, 1.6, 1.5),
                     spin_rad_per_sec: 0.0,
-                    ..puff(birth_secs, CLIP_SECS, middle + across * (13.0 * stray.x) + Vec3::Y * (1.8 * stray.y), &mut self.chance)
+                    ..puff(
+                        birth_secs,
+                        CLIP_SECS,
+                        middle + across * (13.0 * stray.x) + Vec3::Y * (1.8 * stray.y),
+                        &mut self.chance,
+                    )
                 });
             }
         }
