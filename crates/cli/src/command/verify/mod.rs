@@ -18,6 +18,7 @@ mod layers;
 mod maps;
 mod picture;
 mod stacked;
+mod stochastic;
 mod threads;
 mod unbiased;
 
@@ -29,13 +30,14 @@ pub(crate) fn run(arguments: &VerifyArguments) -> anyhow::Result<()> {
     let json = arguments.json.as_deref().map(TextOutput::open).transpose()?;
     let threads = arguments.machine.threads;
     type Group = fn(Option<usize>) -> anyhow::Result<Vec<Check>>;
-    let groups: [(&str, Group); 6] = [
+    let groups: [(&str, Group); 7] = [
         ("threshold maps", |_| Ok(maps::checks())),
         ("layers", layers::checks),
         ("alpha 0 and 1", ends::checks),
         ("threads", |_| threads::checks()),
         ("unbiased methods", unbiased::checks),
         ("stacked layers", stacked::checks),
+        ("stochastic", |_| stochastic::checks()),
     ];
     let progress = talk.progress(groups.len() as u64);
     let mut checks = Vec::new();
