@@ -52,17 +52,18 @@ impl Problem {
 
     /// The share of the mass in front of `z`, with `overestimation` of what lies at `z` itself: 0 to 1.
     pub(super) fn share_in_front(&self, z: f64, overestimation: f64) -> f64 {
-        let (mass_here, kernel) = self.kernel(z);
+        let y = self.orthogonal(z);
+        let kernel = self.kernel(&y);
         let mut roots = Roots::default();
         real_roots(&kernel[..self.rows], &mut roots);
         let in_front = roots.found().iter().filter(|root| **root < z);
-        let share = in_front.map(|&root| self.kernel(root).0).sum::<f64>() + overestimation * mass_here;
+        let share = in_front.map(|&root| self.mass(&self.orthogonal(root))).sum::<f64>()
+            + overestimation * self.mass(&y);
         share.clamp(0.0, 1.0)
     }
 
-    /// The most mass that can lie at `z`, and the coefficients of `K(z, ·)` from the constant one up.
-    fn kernel(&self, z: f64) -> (f64, [f64; MOST_ROWS]) {
-        // L y = v(z).
+    /// `y` of `L y = v(z)`: the orthogonal polynomials at `z`.
+    fn orthogonal(&self, z: f64) -> [f64; MOST_ROWS] {
         let mut y = [0.0; MOST_ROWS];
         let mut power = 1.0;
         for row in 0..self.rows {
@@ -70,16 +71,22 @@ impl Problem {
             y[row] = power - below;
             power *= z;
         }
-        // Lᵀ c = D⁻¹ y.
+        y
+    }
+
+    /// The most mass that can lie at `z`: `1 / yᵀ D⁻¹ y`.
+    fn mass(&self, y: &[f64; MOST_ROWS]) -> f64 {
+        (y.iter().zip(&self.inverse_pivots).map(|(y, inverse)| y * y * inverse).sum::<f64>()).recip()
+    }
+
+    /// The coefficients of `K(z, ·)` from the constant one up: `c` of `Lᵀ c = D⁻¹ y`.
+    fn kernel(&self, y: &[f64; MOST_ROWS]) -> [f64; MOST_ROWS] {
         let mut kernel = [0.0; MOST_ROWS];
-        let mut sum = 0.0;
         for row in (0..self.rows).rev() {
-            let scaled = y[row] * self.inverse_pivots[row];
-            sum += y[row] * scaled;
             let above = (row + 1..self.rows).map(|k| self.lower[k][row] * kernel[k]).sum::<f64>();
-            kernel[row] = scaled - above;
+            kernel[row] = y[row] * self.inverse_pivots[row] - above;
         }
-        (sum.recip(), kernel)
+        kernel
     }
 }
 
@@ -110,25 +117,44 @@ fn real_roots(coefficients: &[f64], roots: &mut Roots) {
         [constant, slope] => roots.push(-constant / slope),
         [c, b, a] => quadratic_roots(a, b, c, roots),
         _ => {
-            // Between two neighbouring extrema there is one root at most, and there is none beyond Cauchy's bound.
+            // Between two neighbouring extrema there is one root at most, as there is beyond the outermost ones.
             let mut derivative = [0.0; MOST_ROWS];
             for (index, &coefficient) in coefficients.iter().enumerate().skip(1) {
                 derivative[index - 1] = index as f64 * coefficient;
             }
             let mut extrema = Roots::default();
             real_roots(&derivative[..degree], &mut extrema);
-            let highest = coefficients[degree];
-            let bound = 1.0
-                + coefficients[..degree].iter().fold(0.0, |most, &lower| f64::max(most, (lower / highest).abs()));
-            let mut low = -bound;
-            for high in extrema.found().iter().copied().chain([bound]) {
-                if let Some(root) = root_between(coefficients, low, high) {
+            let extrema = extrema.found();
+            let (first, last) = match *extrema {
+                [] => (0.0, 0.0),
+                [first, .., last] | [first @ last] => (first, last),
+            };
+            let mut push = |ends: Option<[f64; 2]>| {
+                if let Some(root) = ends.and_then(|ends| root_between(coefficients, ends)) {
                     roots.push(root);
                 }
-                low = high;
-            }
+            };
+            push(change_beyond(coefficients, first, -1.0).map(|[near, far]| [far, near]));
+            extrema.windows(2).for_each(|pair| push(Some([pair[0], pair[1]])));
+            push(change_beyond(coefficients, last, 1.0));
         }
     }
+}
+
+/// Two places, going up or down from one, between which the polynomial changes its sign. Most roots are within a unit, so it begins small.
+fn change_beyond(coefficients: &[f64], from: f64, direction: f64) -> Option<[f64; 2]> {
+    let is_negative = |x| value_and_slope(coefficients, x).0 < 0.0;
+    let begins_negative = is_negative(from);
+    let (mut near, mut step) = (from, 0.125 * direction);
+    // To 4^30 / 8: a root beyond is one at infinity, which has no mass.
+    for _ in 0..30 {
+        let far = from + step;
+        if is_negative(far) != begins_negative {
+            return Some([near, far]);
+        }
+        (near, step) = (far, 4.0 * step);
+    }
+    None
 }
 
 fn quadratic_roots(a: f64, b: f64, c: f64, roots: &mut Roots) {
@@ -150,16 +176,18 @@ fn value_and_slope(coefficients: &[f64], x: f64) -> (f64, f64) {
         .fold((0.0, 0.0), |(value, slope), coefficient| (value * x + coefficient, slope * x + value))
 }
 
-/// Newton's method, with a bisection whenever it would leave the interval or is slow to narrow it.
-fn root_between(coefficients: &[f64], mut low: f64, mut high: f64) -> Option<f64> {
-    // Bisections alone take the widest interval, 1e10, down to the rounding of 64 bits in 90 steps.
+/// Newton's method, with a bisection whenever it would leave the interval or does not halve its step.
+fn root_between(coefficients: &[f64], [mut low, mut high]: [f64; 2]) -> Option<f64> {
+    // Far below the rounding of 32-bit moments, and Newton's method squares what remains in its last step.
+    const PRECISION: f64 = 1e-9;
+    // Bisections alone take the widest interval down to that.
     const MOST_STEPS: u32 = 100;
     let low_is_negative = value_and_slope(coefficients, low).0 < 0.0;
     if low_is_negative == (value_and_slope(coefficients, high).0 < 0.0) {
         return None;
     }
-    let mut x = 0.5 * (low + high);
-    for step in 0..MOST_STEPS {
+    let (mut x, mut last_step) = (0.5 * (low + high), high - low);
+    for _ in 0..MOST_STEPS {
         let (value, slope) = value_and_slope(coefficients, x);
         if (value < 0.0) == low_is_negative {
             low = x;
@@ -167,12 +195,13 @@ fn root_between(coefficients: &[f64], mut low: f64, mut high: f64) -> Option<f64
             high = x;
         }
         let newton = x - value / slope;
-        let is_inside = newton > low && newton < high;
-        let next = if is_inside && step % 4 != 3 { newton } else { 0.5 * (low + high) };
-        if (next - x).abs() <= 1e-13 * (1.0 + x.abs()) {
-            return Some(next);
-        }
+        let converges = newton > low && newton < high && 2.0 * (newton - x).abs() < last_step;
+        let next = if converges { newton } else { 0.5 * (low + high) };
+        last_step = (next - x).abs();
         x = next;
+        if last_step <= PRECISION * (1.0 + x.abs()) {
+            break;
+        }
     }
     Some(x)
 }
@@ -231,10 +260,10 @@ mod tests {
                 let moments = moments_of(&points, order);
                 let problem = Problem::new(&moments);
                 let z = f64::from(random.range(-1.0, 1.0));
-                let (mass, kernel) = problem.kernel(z);
-                let mut canonical = vec![(z, mass)];
-                let others = roots_of(&kernel[..problem.rows]);
-                canonical.extend(others.into_iter().map(|root| (root, problem.kernel(root).0)));
+                let with_mass = |x| (x, problem.mass(&problem.orthogonal(x)));
+                let mut canonical = vec![with_mass(z)];
+                let kernel = problem.kernel(&problem.orthogonal(z));
+                canonical.extend(roots_of(&kernel[..problem.rows]).into_iter().map(with_mass));
                 assert!((canonical.iter().map(|(_, mass)| mass).sum::<f64>() - 1.0).abs() < 1e-6);
                 // One point may lie far outside, where its last moment is cancelled out.
                 for (found, expected) in moments_of(&canonical, order - 1).iter().zip(&moments) {
