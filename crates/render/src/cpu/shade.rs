@@ -78,7 +78,7 @@ impl Tracer<'_> {
                 let facing = across(surface.normal, to_viewer).normalize_or(to_viewer);
                 surface.emissive
                     + surface.base_colour * scene.environment.diffuse(facing) * surface.occlusion
-                    + self.lit(&surface, counters, |incident| {
+                    + self.lit(&surface, hit, counters, |incident| {
                         Some(fibre_scattering(&surface, to_viewer, incident.to_light))
                     })
             }
