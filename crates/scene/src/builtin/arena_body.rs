@@ -309,6 +309,20 @@ pub(super) fn mage(wardrobe: &Wardrobe, team: Team, tint: Vec3) -> Body {
         [upper, fore]
     });
     let [[right_upper, mut right], left] = arms;
+    staff(&mut right, wardrobe, team);
+    Body {
+        build: PERSON,
+        hips,
+        chest,
+        head,
+        arms: [[right_upper, right], left],
+        legs: Default::default(),
+        cape: None,
+    }
+}
+
+/// A staff in the right hand, with a crystal between claws.
+fn staff(right: &mut Model, wardrobe: &Wardrobe, team: Team) {
     let hand = Vec3::Y * (-FOREARM - 0.03);
     let wood = right.paint(wardrobe.wood, linear_from_hex(0x6a4a30));
     wood.tube(&[(hand - GRIP * 0.85, 0.02), (hand, 0.024), (hand + GRIP * 0.78, 0.028)], 8);
@@ -322,15 +336,6 @@ pub(super) fn mage(wardrobe: &Wardrobe, team: Team, tint: Vec3) -> Body {
     let middle = hand + GRIP * STAFF_TIP;
     spike(crystal, middle, middle + GRIP * 0.14, 0.09);
     spike(crystal, middle, middle - GRIP * 0.09, 0.09);
-    Body {
-        build: PERSON,
-        hips,
-        chest,
-        head,
-        arms: [[right_upper, right], left],
-        legs: Default::default(),
-        cape: None,
-    }
 }
 
 /// From the hand to the crystal along the staff.
@@ -445,78 +450,93 @@ fn rock(model: &mut Model, wardrobe: &Wardrobe, chance: &mut Chance, centre: Vec
     }
 }
 
-/// A golem of boulders, with embers between them.
-pub(super) fn golem(wardrobe: &Wardrobe, chance: &mut Chance) -> Body {
-    let mut rocks = |lumps: &[(f32, f32, f32, f32, f32, f32)], core: &[(f32, f32, f32, f32)]| {
+/// Where the boulders of a golem come from.
+struct Quarry<'a> {
+    wardrobe: &'a Wardrobe,
+    chance: &'a mut Chance,
+}
+
+impl Quarry<'_> {
+    /// Boulders, each a middle and radii, and the embers between them, each a middle and a radius.
+    fn rocks(&mut self, lumps: &[[f32; 6]], core: &[[f32; 4]]) -> Model {
         let mut model = Model::default();
-        for &(x, y, z, rx, ry, rz) in lumps {
-            rock(&mut model, wardrobe, chance, Vec3::new(x, y, z), Vec3::new(rx, ry, rz));
+        for &[x, y, z, rx, ry, rz] in lumps {
+            rock(&mut model, self.wardrobe, self.chance, Vec3::new(x, y, z), Vec3::new(rx, ry, rz));
         }
-        for &(x, y, z, radius) in core {
-            ball(model.paint(wardrobe.lava, Vec3::splat(0.1)), Vec3::new(x, y, z), Vec3::splat(radius));
+        for &[x, y, z, radius] in core {
+            ball(model.paint(self.wardrobe.lava, Vec3::splat(0.1)), Vec3::new(x, y, z), Vec3::splat(radius));
         }
         model
-    };
-    let hips = rocks(
-        &[(0.0, 0.0, 0.0, 0.75, 0.42, 0.55), (0.0, -0.3, 0.3, 0.4, 0.35, 0.3)],
-        &[(0.0, 0.42, 0.05, 0.48)],
+    }
+
+    fn arm(&mut self) -> [Model; 2] {
+        [
+            self.rocks(
+                &[[0.0, 0.05, 0.0, 0.55, 0.52, 0.52], [0.0, -0.68, 0.0, 0.36, 0.42, 0.36]],
+                &[[0.0, -0.36, 0.0, 0.3], [0.0, -1.1, 0.0, 0.27]],
+            ),
+            self.rocks(
+                &[
+                    [0.0, -0.42, 0.0, 0.44, 0.46, 0.44],
+                    [0.0, -1.12, 0.05, 0.58, 0.48, 0.56],
+                    [0.25, -1.5, 0.2, 0.22, 0.22, 0.24],
+                    [-0.25, -1.5, 0.2, 0.22, 0.22, 0.24],
+                ],
+                &[[0.0, -0.78, 0.0, 0.36]],
+            ),
+        ]
+    }
+
+    fn leg(&mut self) -> [Model; 2] {
+        [
+            self.rocks(&[[0.0, -0.42, 0.0, 0.46, 0.55, 0.46]], &[[0.0, -0.92, 0.0, 0.32]]),
+            self.rocks(
+                &[[0.0, -0.42, 0.0, 0.46, 0.42, 0.46], [0.0, -0.76, 0.14, 0.55, 0.24, 0.66]],
+                &[[0.0, -0.1, 0.0, 0.33]],
+            ),
+        ]
+    }
+}
+
+/// A golem of boulders, with embers between them.
+pub(super) fn golem(wardrobe: &Wardrobe, chance: &mut Chance) -> Body {
+    let mut quarry = Quarry { wardrobe, chance };
+    let hips = quarry.rocks(
+        &[[0.0, 0.0, 0.0, 0.75, 0.42, 0.55], [0.0, -0.3, 0.3, 0.4, 0.35, 0.3]],
+        &[[0.0, 0.42, 0.05, 0.48]],
     );
-    let chest = rocks(
+    let chest = quarry.rocks(
         &[
-            (-0.52, 1.12, 0.12, 0.66, 0.62, 0.72),
-            (0.52, 1.10, 0.10, 0.66, 0.62, 0.72),
-            (0.0, 0.62, -0.1, 0.72, 0.34, 0.55),
-            (0.0, 1.35, -0.45, 0.8, 0.62, 0.42),
-            (-0.85, 1.66, -0.12, 0.42, 0.34, 0.42),
-            (0.85, 1.62, -0.12, 0.42, 0.34, 0.42),
-            (-0.3, 1.95, -0.5, 0.24, 0.5, 0.24),
-            (0.34, 1.92, -0.52, 0.22, 0.42, 0.22),
+            [-0.52, 1.12, 0.12, 0.66, 0.62, 0.72],
+            [0.52, 1.10, 0.10, 0.66, 0.62, 0.72],
+            [0.0, 0.62, -0.1, 0.72, 0.34, 0.55],
+            [0.0, 1.35, -0.45, 0.8, 0.62, 0.42],
+            [-0.85, 1.66, -0.12, 0.42, 0.34, 0.42],
+            [0.85, 1.62, -0.12, 0.42, 0.34, 0.42],
+            [-0.3, 1.95, -0.5, 0.24, 0.5, 0.24],
+            [0.34, 1.92, -0.52, 0.22, 0.42, 0.22],
         ],
         &[
-            (0.0, 1.05, 0.30, 0.50),
-            (0.0, 0.78, 0.18, 0.52),
-            (-0.75, 1.35, 0.0, 0.46),
-            (0.75, 1.35, 0.0, 0.46),
+            [0.0, 1.05, 0.30, 0.50],
+            [0.0, 0.78, 0.18, 0.52],
+            [-0.75, 1.35, 0.0, 0.46],
+            [0.75, 1.35, 0.0, 0.46],
         ],
     );
-    let mut head = rocks(
+    let mut head = quarry.rocks(
         &[
-            (0.0, 0.34, 0.05, 0.44, 0.34, 0.44),
-            (0.0, 0.42, 0.36, 0.40, 0.15, 0.18),
-            (0.0, -0.10, 0.26, 0.36, 0.15, 0.34),
+            [0.0, 0.34, 0.05, 0.44, 0.34, 0.44],
+            [0.0, 0.42, 0.36, 0.40, 0.15, 0.18],
+            [0.0, -0.10, 0.26, 0.36, 0.15, 0.34],
         ],
-        &[(0.0, 0.12, 0.22, 0.27)],
+        &[[0.0, 0.12, 0.22, 0.27]],
     );
     for sign in [-1.0, 1.0] {
         let eye = Vec3::new(sign * 0.19, 0.26, 0.44);
         ball(head.paint(wardrobe.lava, Vec3::splat(0.1)), eye, Vec3::new(0.09, 0.05, 0.07));
     }
-    let arms = [0, 1].map(|_| {
-        [
-            rocks(
-                &[(0.0, 0.05, 0.0, 0.55, 0.52, 0.52), (0.0, -0.68, 0.0, 0.36, 0.42, 0.36)],
-                &[(0.0, -0.36, 0.0, 0.3), (0.0, -1.1, 0.0, 0.27)],
-            ),
-            rocks(
-                &[
-                    (0.0, -0.42, 0.0, 0.44, 0.46, 0.44),
-                    (0.0, -1.12, 0.05, 0.58, 0.48, 0.56),
-                    (0.25, -1.5, 0.2, 0.22, 0.22, 0.24),
-                    (-0.25, -1.5, 0.2, 0.22, 0.22, 0.24),
-                ],
-                &[(0.0, -0.78, 0.0, 0.36)],
-            ),
-        ]
-    });
-    let legs = [0, 1].map(|_| {
-        [
-            rocks(&[(0.0, -0.42, 0.0, 0.46, 0.55, 0.46)], &[(0.0, -0.92, 0.0, 0.32)]),
-            rocks(
-                &[(0.0, -0.42, 0.0, 0.46, 0.42, 0.46), (0.0, -0.76, 0.14, 0.55, 0.24, 0.66)],
-                &[(0.0, -0.1, 0.0, 0.33)],
-            ),
-        ]
-    });
+    let arms = [quarry.arm(), quarry.arm()];
+    let legs = [quarry.leg(), quarry.leg()];
     Body { build: GOLEM, hips, chest, head, arms, legs, cape: None }
 }
 

@@ -42,6 +42,8 @@ const EMBER: Vec3 = Vec3::new(1.0, 0.26, 0.05);
 const BARRIER_RADIUS: f32 = 2.1;
 const BARRIER_HALF_TURN_RAD: f32 = 1.15;
 const BARRIER_HEIGHT: f32 = 3.3;
+/// Fire in the braziers repeats after this time, a whole share of the clip.
+const BRAZIER_LOOP_SECS: f32 = 2.0;
 const GRAVITY: Vec3 = Vec3::new(0.0, -9.81, 0.0);
 
 /// Effects in the making.
@@ -86,7 +88,7 @@ pub(super) fn conjure(stage: &mut Stage, cast: &Cast, effects: Effects) {
     conjurer.breathe_fire();
     conjurer.call_water();
     conjurer.smash();
-    conjurer.kindle(effects.seed);
+    conjurer.finish(effects.seed);
 }
 
 /// A particle that neither turns nor changes its size.
@@ -486,25 +488,7 @@ impl Conjurer<'_> {
                 ..mote(birth_secs, lifetime_secs, mouth + self.chance.gaussian() * 0.06)
             });
         }
-        for _ in 0..self.number(420) {
-            let birth_secs = self.chance.between(BREATH_SECS[0], BREATH_SECS[1]) + 0.9 * flight_secs;
-            let angle = self.chance.between(-0.35, PI + 0.35);
-            let along = side * angle.cos() + Vec3::Y * angle.sin();
-            let speed = self.chance.between(1.2, 4.2);
-            self.fire.push(Particle {
-                velocity: along * speed + towards * 0.25,
-                // The wall is round: what spreads along it turns around it.
-                acceleration: towards * (-0.35 * speed * angle.cos().powi(2)) + Vec3::Y * 1.3
-                    - along * speed * 0.5,
-                half_size: [0.16, self.chance.between(0.26, 0.52)],
-                rotation_rad: self.chance.between(0.0, TAU),
-                spin_rad_per_sec: self.chance.about(0.0, 4.0),
-                alpha: self.chance.between(0.35, 0.8),
-                tint: Vec3::new(2.0, 1.0, 0.35) * self.chance.between(0.35, 1.0),
-                tile: self.chance.below(FLAME_TILES),
-                ..mote(birth_secs, self.chance.between(0.45, 0.95), hit + self.chance.gaussian() * 0.12)
-            });
-        }
+        self.splash_fire(hit, towards, flight_secs);
         for _ in 0..self.number(70) {
             let birth_secs = self.chance.between(BREATH_SECS[0] + 0.6, BREATH_SECS[1] + 0.6);
             self.dust.push(Particle {
@@ -525,6 +509,30 @@ impl Conjurer<'_> {
         let beside =
             if beside.z > hit.z { beside } else { mouth.lerp(hit, 0.62) - side * 0.9 + Vec3::Y * 0.5 };
         self.flare("breath", beside, Vec3::new(38.0, 14.0, 3.2), 11.0, time);
+    }
+
+    /// What spreads along the barrier from where the jet hits it.
+    fn splash_fire(&mut self, hit: Vec3, towards: Vec3, flight_secs: f32) {
+        let side = Vec3::Y.cross(towards);
+        for _ in 0..self.number(420) {
+            let birth_secs = self.chance.between(BREATH_SECS[0], BREATH_SECS[1]) + 0.9 * flight_secs;
+            let angle = self.chance.between(-0.35, PI + 0.35);
+            let along = side * angle.cos() + Vec3::Y * angle.sin();
+            let speed = self.chance.between(1.2, 4.2);
+            self.fire.push(Particle {
+                velocity: along * speed + towards * 0.25,
+                // The wall is round: what spreads along it turns around it.
+                acceleration: towards * (-0.35 * speed * angle.cos().powi(2)) + Vec3::Y * 1.3
+                    - along * speed * 0.5,
+                half_size: [0.16, self.chance.between(0.26, 0.52)],
+                rotation_rad: self.chance.between(0.0, TAU),
+                spin_rad_per_sec: self.chance.about(0.0, 4.0),
+                alpha: self.chance.between(0.35, 0.8),
+                tint: Vec3::new(2.0, 1.0, 0.35) * self.chance.between(0.35, 1.0),
+                tile: self.chance.below(FLAME_TILES),
+                ..mote(birth_secs, self.chance.between(0.45, 0.95), hit + self.chance.gaussian() * 0.12)
+            });
+        }
     }
 
     /// Water that is thrown in an arc at the golem, splashes and turns to steam.
@@ -633,10 +641,9 @@ impl Conjurer<'_> {
         }
     }
 
-    /// Fire in the braziers and clouds in the sky; then everything that is a particle enters the scene.
-    fn kindle(mut self, seed: u32) {
+    /// Fire in the braziers, and sparks that fly up from it.
+    fn kindle(&mut self) -> Vec<Particle> {
         let mut flames = Vec::new();
-        let loop_secs = 2.0;
         for fire in arena_place::braziers() {
             for _ in 0..self.number(56) {
                 let around = self.chance.gaussian() * Vec3::new(0.20, 0.02, 0.20);
@@ -650,7 +657,11 @@ impl Conjurer<'_> {
                     alpha: self.chance.between(0.45, 0.85),
                     tint: Vec3::new(2.2, 1.25, 0.45) * self.chance.between(0.45, 1.1),
                     tile: self.chance.below(FLAME_TILES),
-                    ..mote(self.chance.between(0.0, loop_secs), lifetime_secs, fire + around + Vec3::Y * 0.2)
+                    ..mote(
+                        self.chance.between(0.0, BRAZIER_LOOP_SECS),
+                        lifetime_secs,
+                        fire + around + Vec3::Y * 0.2,
+                    )
                 });
             }
             for _ in 0..self.number(12) {
@@ -666,6 +677,12 @@ impl Conjurer<'_> {
                 });
             }
         }
+        flames
+    }
+
+    /// Everything that is a particle enters the scene.
+    fn finish(mut self, seed: u32) {
+        let flames = self.kindle();
         let clouds = self.clouds();
 
         let atlas = self.stage.texture("flames", arena_paint::flames(seed), true);
@@ -698,7 +715,7 @@ impl Conjurer<'_> {
             });
         };
         let near = [0.9, 0.25];
-        system("braziers", shining, FLAME_ATLAS, flames, loop_secs, licking, [0.15, 0.55], near);
+        system("braziers", shining, FLAME_ATLAS, flames, BRAZIER_LOOP_SECS, licking, [0.15, 0.55], near);
         system("breath", shining, FLAME_ATLAS, self.fire, CLIP_SECS, licking, [0.10, 0.40], near);
         system("bolts", shining, FLAME_ATLAS, self.light, CLIP_SECS, still, [0.04, 0.35], near);
         system("water", water, FLAME_ATLAS, self.drops, CLIP_SECS, still, [0.05, 0.10], near);

@@ -4,6 +4,8 @@
 //! file and a new row. What scenes share lies beside them: `stage` puts parts together, `shape` models, `paint` makes textures, `palette`
 //! holds the materials of the town; `house`, `foliage`, `furniture`, `square` and `smoke` are what stands in it. `hair`, `body`, `girl`,
 //! `grass` and `wind` make what grows and sways.
+//! holds the materials of the town; `house`, `foliage`, `furniture`, `square` and `smoke` are what stands in it. The
+//! files of `arena` are its own: place, figures, bodies, cast and spells.
 
 use sheer_core::parameter::{ParameterInfo, ParameterRange, Values, split_name};
 
@@ -160,6 +162,12 @@ mod tests {
         let taken =
             few.iter().filter(|(key, _)| info.parameters.iter().any(|parameter| parameter.key == *key));
         taken.fold(format!("{}:", info.name), |text, (key, count)| format!("{text}{key}={count},"))
+        let takes = |key| info.parameters.iter().any(|parameter| parameter.key == key);
+        match info.name {
+            name if takes("particles") => format!("{name}:particles=500,"),
+            name if takes("effects") => format!("{name}:effects=0.2,"),
+            name => format!("{name}:"),
+        }
     }
 
     /// Everything that a seed may change, as text.
