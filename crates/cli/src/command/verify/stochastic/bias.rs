@@ -60,7 +60,7 @@ fn alpha_correction(masks: &str) -> anyhow::Result<Check> {
 fn empty_pixels(samples: u32) -> anyhow::Result<Check> {
     let alpha = 0.5 / f64::from(samples);
     let method = keys(Estimator { is_corrected: true, ..BASIC }, samples);
-    let [measured, ..] = moments(&method, &Stack::single(alpha), TRIALS, 5, |_, value| value)?;
+    let [measured, ..] = moments(&method, &Stack::single(alpha), TRIALS, 10 + samples, |_, value| value)?;
     let name =
         format!("stochastic, alpha-corrected: share of a layer of alpha 1/{} that is shown", 2 * samples);
     Ok(number_check(name, "ST section 4.1", 0.5 * alpha, Some(0.5), &measured, |mean| mean / alpha))

@@ -53,15 +53,15 @@ impl Shares {
     }
 
     fn checks(&self, masks: &str) -> Vec<Check> {
-        let check = |what: &str, expected, values: &mut dyn Iterator<Item = f64>| {
+        let check = |what: &str, expected, values: &mut dyn Iterator<Item = f64>, shown: fn(f64) -> f64| {
             let name = format!("stochastic, {masks}, {} samples: {what}", self.samples);
-            number_check(name, SECTION, expected, None, &values.collect::<Moments>(), |mean| mean)
+            number_check(name, SECTION, expected, None, &values.collect::<Moments>(), shown)
         };
         let [alpha, other] = ALPHAS;
         let both = alpha * other;
         let mut checks = vec![
-            check("mean share of a layer", alpha, &mut self.of_one.iter().copied()),
-            check("mean share of two layers' overlap", both, &mut self.of_both.iter().copied()),
+            check("mean share of a layer", alpha, &mut self.of_one.iter().copied(), |mean| mean),
+            check("mean share of two layers' overlap", both, &mut self.of_both.iter().copied(), |mean| mean),
         ];
         if masks == "stratified" {
             let squares = |values: &[f64], mean: f64| {
@@ -69,9 +69,14 @@ impl Shares {
             };
             let [of_one, of_both] = variances(self.samples);
             let shares = squares(&self.of_one, alpha);
-            checks.push(check("variance of the share", of_one, &mut shares.into_iter()));
+            checks.push(check("standard deviation of the share", of_one, &mut shares.into_iter(), f64::sqrt));
             let overlaps = squares(&self.of_both, both);
-            checks.push(check("variance of the overlap", of_both, &mut overlaps.into_iter()));
+            checks.push(check(
+                "standard deviation of the overlap",
+                of_both,
+                &mut overlaps.into_iter(),
+                f64::sqrt,
+            ));
         }
         checks
     }
@@ -104,7 +109,7 @@ mod tests {
     fn masks_that_are_always_the_same_are_proportional_but_correlated() {
         for samples in [4, 16, 64] {
             let failed = failures(Shares::measure("a2c", samples).unwrap().checks("stratified"));
-            let expected = ["mean share of two layers' overlap", "variance of the overlap"]
+            let expected = ["mean share of two layers' overlap", "standard deviation of the overlap"]
                 .map(|what| format!("stochastic, stratified, {samples} samples: {what}"));
             assert_eq!(failed, expected);
         }
