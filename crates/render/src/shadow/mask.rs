@@ -14,7 +14,7 @@ pub enum Sampling {
 /// The most samples of a texel: a mask is a 64-bit word.
 pub(super) const MOST_SAMPLES: u32 = 64;
 
-/// Seed of the mask of a blocker in a texel. Masks of two blockers have to be independent, those of a frame too.
+/// Seed of the mask of a blocker, told by its triangle, in a texel. Masks of two blockers have to be independent.
 pub(super) fn seed(texel: usize, blocker: u32, key: u32) -> u64 {
     let [high, low, ..] = pcg4d([texel as u32, blocker, key, (texel as u64 >> 32) as u32]);
     u64::from(high) << 32 | u64::from(low)
@@ -139,7 +139,7 @@ mod tests {
                     .map(|blocker| Sampling::Stratified.mask(0.5, 8, seed(texel as usize, blocker, 1)));
                 (a & b).count_ones()
             });
-            both.sum::<u32>() as f64 / f64::from(DRAWS)
+            f64::from(both.sum::<u32>()) / f64::from(DRAWS)
         };
         // Two of eight on average, hypergeometric: variance 4/7 a draw.
         let z = |mean: f64| (mean - 2.0) / (4.0 / 7.0 / f64::from(DRAWS)).sqrt();

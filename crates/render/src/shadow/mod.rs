@@ -1,8 +1,8 @@
 //! Shadows: how much light passes everything between a light and a point. One technique a file; to add one, write `shadow/<name>.rs` after
 //! the pattern of its neighbours and put its name into the table below: the command line, the lists and the tests that walk all follow.
 //!
-//! A technique makes a [`Map`] for each light at the start of a frame, and shading asks it. Maps are traced from the light through the
-//! texels of a [`projection`]; deep rays need none.
+//! A technique makes a `Map` for each light at the start of a frame, and shading asks it. Maps are traced from the light through the
+//! texels of a `projection`; deep rays need none.
 
 use std::{fmt, str::FromStr, time::Instant};
 

@@ -3,9 +3,7 @@
 //! A scene is a row of the table in [`catalogue`]: its description, its parameters and the function that builds it. A new scene is a new
 //! file and a new row. What scenes share lies beside them: `stage` puts parts together, `shape` models, `paint` makes textures, `palette`
 //! holds the materials of the town; `house`, `foliage`, `furniture`, `square` and `smoke` are what stands in it. `hair`, `body`, `girl`,
-//! `grass` and `wind` make what grows and sways.
-//! holds the materials of the town; `house`, `foliage`, `furniture`, `square` and `smoke` are what stands in it. The
-//! files of `arena` are its own: place, figures, bodies, cast and spells.
+//! `grass` and `wind` make what grows and sways. The files of `arena` are its own: place, figures, bodies, cast and spells.
 
 use sheer_core::parameter::{ParameterInfo, ParameterRange, Values, split_name};
 
@@ -158,16 +156,10 @@ mod tests {
 
     /// Few enough of everything that a test takes little time; the rest as it stands.
     fn light(info: &BuiltinInfo) -> String {
-        let few = [("particles", 500), ("hairs", 700), ("cards", 100)];
+        let few = [("particles", "500"), ("hairs", "700"), ("cards", "100"), ("effects", "0.2")];
         let taken =
             few.iter().filter(|(key, _)| info.parameters.iter().any(|parameter| parameter.key == *key));
-        taken.fold(format!("{}:", info.name), |text, (key, count)| format!("{text}{key}={count},"))
-        let takes = |key| info.parameters.iter().any(|parameter| parameter.key == key);
-        match info.name {
-            name if takes("particles") => format!("{name}:particles=500,"),
-            name if takes("effects") => format!("{name}:effects=0.2,"),
-            name => format!("{name}:"),
-        }
+        taken.fold(format!("{}:", info.name), |text, (key, value)| format!("{text}{key}={value},"))
     }
 
     /// Everything that a seed may change, as text.
