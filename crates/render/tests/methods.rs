@@ -104,6 +104,21 @@ fn a_list_of_unordered_fragments_gives_the_picture_of_ordered_ones() {
 }
 
 #[test]
+fn a_list_of_spread_samples_is_the_mean_of_pictures_through_each_of_them() {
+    // What the samples of a pixel see together is what many frames of one sample each see; with edges, textures and smoke.
+    let settings = Settings { start_secs: 6.0, ..small(48, 27) };
+    let scene = "smoke-square:particles=400";
+    let (spread, _) = play(scene, "list:samples=64", Antialiasing::None, 1, settings, 2);
+    let (many, _) = play(scene, "list", Antialiasing::Accumulate, 256, settings, 2);
+    let (one, _) = play(scene, "list", Antialiasing::None, 1, settings, 2);
+    let rms = |planes: &Planes| {
+        let squares = colours(planes).zip(colours(&many)).map(|(a, b)| (a.rgb - b.rgb).length_squared());
+        (squares.sum::<f32>() / (3.0 * 48.0 * 27.0)).sqrt()
+    };
+    assert!(rms(&spread) < 0.15 * rms(&one), "{} of {}", rms(&spread), rms(&one));
+}
+
+#[test]
 fn stochastic_methods_shade_one_fragment_a_pixel_at_most() {
     let scene = sheer_scene::open("smoke-square:particles=400").unwrap().scene;
     let mut stage = Stage::new(scene, &CameraChoice::Default, Some(2)).unwrap();

@@ -106,7 +106,6 @@ impl Series {
     }
 
     /// Shades an area from the second to the third number above the first: least to most, or an interval.
-    #[cfg_attr(not(test), expect(dead_code, reason = "for charts of repeated measurements"))]
     pub(crate) fn with_band(self, band: impl IntoIterator<Item = [f64; 3]>) -> Self {
         Self { band: band.into_iter().collect(), ..self }
     }

@@ -3,9 +3,11 @@
 use std::ops::ControlFlow;
 
 use glam::Vec3;
-use sheer_core::parameter::Values;
+use sheer_core::parameter::{ParameterInfo, ParameterRange, Values};
 
-use crate::contract::{Compositing, Fragment, Gathering, Memory, MethodInfo, PixelSite, Visitor};
+use crate::contract::{
+    Compositing, Fragment, Gathering, Memory, MethodInfo, PixelSite, Placement, Samples, Visitor,
+};
 
 /// Its entry in the table.
 pub const INFO: MethodInfo = MethodInfo {
@@ -13,25 +15,59 @@ pub const INFO: MethodInfo = MethodInfo {
     title: "every fragment stored in a list a pixel, then sorted and blended: exact, without a bound on memory",
     paper: "Carpenter 1984, The A-buffer, an Antialiased Hidden Surface Method",
     bias: "none",
-    parameters: &[],
+    parameters: &[
+        ParameterInfo {
+            key: "samples",
+            default: "1",
+            range: ParameterRange::Count(1, Samples::MOST),
+            what: "samples spread over the pixel, each of which blends the fragments that cover it: exact edges; 1: the pixel's one ray",
+        },
+    ],
     alignment_px: 1,
 };
 
 /// The A-buffer.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct List;
+pub struct List {
+    samples: Samples,
+}
 
-/// A fragment with its place in depth.
+/// A fragment that is stored.
 #[derive(Clone, Copy, Debug)]
-pub struct Entry {
-    place: (f32, u32),
+struct Entry {
+    coverage: u64,
     alpha: f32,
     rgb_straight: Vec3,
+    /// Where its depths begin, and its place among equal ones.
+    first_depth: usize,
+    order: u32,
+}
+
+/// All fragments of a pixel.
+#[derive(Clone, Debug, Default)]
+pub struct Fragments {
+    entries: Vec<Entry>,
+    /// As many a fragment as the pixel has rays.
+    depths: Vec<f32>,
+}
+
+impl Fragments {
+    /// Fragments that cover a sample, front to back.
+    fn at(&self, sample: usize) -> Vec<&Entry> {
+        let ray_count = self.depths.len() / self.entries.len().max(1);
+        let depth = |entry: &Entry| self.depths[entry.first_depth + sample.min(ray_count - 1)];
+        let mut covering: Vec<&Entry> =
+            self.entries.iter().filter(|entry| entry.coverage >> sample & 1 != 0).collect();
+        covering.sort_unstable_by(|a, b| depth(a).total_cmp(&depth(b)).then(a.order.cmp(&b.order)));
+        covering
+    }
 }
 
 impl List {
-    pub(crate) fn new(_: &Values) -> Self {
-        Self
+    pub(crate) fn new(values: &Values) -> Self {
+        let count = values.count("samples");
+        let placement = if count == 1 { Placement::Centre } else { Placement::Box };
+        Self { samples: Samples { count, placement } }
     }
 
     pub(crate) fn accept<V: Visitor>(&self, visitor: V) -> V::Output {
@@ -40,42 +76,53 @@ impl List {
 }
 
 impl Compositing for List {
-    type Pixel = Vec<Entry>;
+    type Pixel = Fragments;
 
     fn gathering(&self) -> Gathering {
         Gathering::Unordered { each_pass: false }
     }
 
-    fn memory(&self) -> Memory {
-        // Colour and alpha in 16-bit floats, depth, link to the next.
-        Memory::PerFragment(16)
+    fn samples(&self) -> Samples {
+        self.samples
     }
 
-    fn begin(&self, _: &PixelSite) -> Vec<Entry> {
-        Vec::new()
+    fn memory(&self) -> Memory {
+        // Colour and alpha in 16-bit floats, depth, link to the next; of several samples a mask, and a depth each.
+        let samples = self.samples.count;
+        Memory::PerFragment(if samples == 1 { 16 } else { 12 + samples.div_ceil(8) + 4 * samples })
+    }
+
+    fn begin(&self, _: &PixelSite) -> Fragments {
+        Fragments::default()
     }
 
     fn add(
         &self,
-        pixel: &mut Vec<Entry>,
+        pixel: &mut Fragments,
         _: usize,
         fragment: &Fragment<'_>,
         shade: impl FnOnce() -> Vec3,
     ) -> ControlFlow<()> {
-        let entry = Entry { place: fragment.place(0), alpha: fragment.alpha, rgb_straight: shade() };
-        let at = pixel.partition_point(|other| other.place <= entry.place);
-        pixel.insert(at, entry);
+        let &Fragment { coverage, alpha, depths, order, .. } = fragment;
+        let first_depth = pixel.depths.len();
+        pixel.depths.extend_from_slice(depths);
+        pixel.entries.push(Entry { coverage, alpha, rgb_straight: shade(), first_depth, order });
         ControlFlow::Continue(())
     }
 
-    fn transmittance(&self, pixel: &Vec<Entry>, _: usize) -> f32 {
-        pixel.iter().map(|entry| 1.0 - entry.alpha).product()
+    fn transmittance(&self, pixel: &Fragments, sample: usize) -> f32 {
+        let covering = pixel.entries.iter().filter(|entry| entry.coverage >> sample & 1 != 0);
+        covering.map(|entry| 1.0 - entry.alpha).product()
     }
 
-    fn resolve(&self, pixel: &Vec<Entry>) -> Vec3 {
-        let blended = pixel.iter().fold((Vec3::ZERO, 1.0), |(rgb, visibility), entry| {
-            (rgb + visibility * entry.alpha * entry.rgb_straight, visibility * (1.0 - entry.alpha))
-        });
-        blended.0
+    fn resolve(&self, pixel: &Fragments) -> Vec3 {
+        let blended = |sample: usize| {
+            let sum = pixel.at(sample).iter().fold((Vec3::ZERO, 1.0), |(rgb, visibility), entry| {
+                (rgb + visibility * entry.alpha * entry.rgb_straight, visibility * (1.0 - entry.alpha))
+            });
+            sum.0
+        };
+        let count = self.samples.count as usize;
+        (0..count).map(blended).sum::<Vec3>() / count as f32
     }
 }

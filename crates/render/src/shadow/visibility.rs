@@ -10,7 +10,8 @@
 
 use sheer_core::hash::Pcg32;
 
-use super::mask::{self, Sampling};
+use super::mask;
+pub use super::mask::Sampling;
 
 /// Samples that share a texel, and so one mask a blocker: the paper's 8× MSAA. More samples are those of several texels, as percentage closer
 /// filtering gathers them.

@@ -200,7 +200,7 @@ pub(super) fn joint(lab: &Lab<'_>) -> anyhow::Result<Findings> {
 }
 
 /// A file's name without its folders.
-fn short_name(scene: &str) -> String {
+pub(super) fn short_name(scene: &str) -> String {
     scene.rsplit(['/', '\\']).next().unwrap_or(scene).to_owned()
 }
 

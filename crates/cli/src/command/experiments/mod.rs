@@ -18,6 +18,7 @@ mod averages;
 mod lab;
 mod quality;
 mod speed;
+mod stochastic;
 
 use lab::Lab;
 
@@ -111,6 +112,55 @@ const EXPERIMENTS: &[Experiment] = &[
         source: "own; STD section 6, first item",
         account: "",
         run: averages::joint,
+    },
+    Experiment {
+        id: "samples",
+        title: "Random masks with more and more samples",
+        source: "ST section 3.1, Fig. 2",
+        account: "",
+        run: stochastic::samples,
+    },
+    Experiment {
+        id: "visibility",
+        title: "Visibility as a stochastic map has it",
+        source: "ST section 3.2, Fig. 3",
+        account: "",
+        run: stochastic::visibility,
+    },
+    Experiment {
+        id: "estimators",
+        title: "Less noise by alpha correction and by depth",
+        source: "ST sections 3.3 and 3.4, Fig. 4",
+        account: "",
+        run: stochastic::estimators,
+    },
+    Experiment {
+        id: "shadows",
+        title: "Noise in stochastic shadow maps",
+        source: "ST section 3.6, Fig. 5",
+        account: "",
+        run: stochastic::shadows,
+    },
+    Experiment {
+        id: "passes",
+        title: "What the passes cost",
+        source: "ST Table 1",
+        account: "",
+        run: stochastic::table,
+    },
+    Experiment {
+        id: "growth",
+        title: "Time over the number of layers",
+        source: "ST section 5, depth peeling",
+        account: "",
+        run: stochastic::growth,
+    },
+    Experiment {
+        id: "family",
+        title: "The family on every scene",
+        source: "the methods that people use today",
+        account: "",
+        run: stochastic::family,
     },
 ];
 
