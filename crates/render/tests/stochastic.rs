@@ -316,8 +316,8 @@ fn worst_block(stage: &mut Stage, method: &str, reference: &str) -> f64 {
         let mut sums = vec![[0.0_f64; 3]; 6 * 3];
         for (at, colour) in (0..).zip(colours(planes)) {
             let block = at / SIZE[0] / BLOCK_PX * 6 + at % SIZE[0] / BLOCK_PX;
-            for channel in 0..3 {
-                sums[block as usize][channel] += f64::from(colour.rgb[channel]);
+            for (sum, value) in sums[block as usize].iter_mut().zip(colour.rgb.to_array()) {
+                *sum += f64::from(value);
             }
         }
         sums
