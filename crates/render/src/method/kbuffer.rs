@@ -1,10 +1,9 @@
-//! The k-buffer: places for k fragments, sorted; what finds none is merged on the spot (Bavoil et al. 2007).
+//! The k-buffer: places for k fragments, sorted; when they are full the nearest is blended into the picture and makes room (Bavoil et al.
+//! 2007).
 //!
-//! The paper frees a place by blending the nearest fragment into the picture, which is exact where fragments come nearly sorted, no further
-//! than k places from where they belong; it sorts geometry beforehand for that. Fragments that come in any order want the opposite, which
-//! is the default here: the k nearest stay, and all others go into one tail behind them. The tail has no depth. A fragment that a nearer
-//! one pushes out of its place is in front of all that the tail holds, since it was among the nearest when those were not; one that
-//! comes too late for a place is put behind it, which is a guess.
+//! That is exact where fragments come nearly sorted, none of them more than k places from where it belongs, and the paper sorts geometry
+//! beforehand for it. Here it comes in any order: what arrives too late is blended behind what it should hide. To merge the furthest
+//! instead is multi-layer alpha blending, which has a name of its own in the table.
 
 use std::ops::ControlFlow;
 
@@ -17,23 +16,15 @@ use crate::contract::{Compositing, Fragment, Gathering, Memory, MethodInfo, Pixe
 /// Its entry in the table.
 pub const INFO: MethodInfo = MethodInfo {
     id: "kbuffer",
-    title: "the k nearest fragments sorted, all others merged in the order in which they come",
+    title: "k fragments sorted; of one too many the nearest is blended into the picture",
     paper: "Bavoil et al. 2007, Multi-Fragment Effects on the GPU Using the k-Buffer",
-    bias: "beyond k fragments the order of those merged is guessed; nothing is dropped",
-    parameters: &[
-        ParameterInfo {
-            key: "k",
-            default: "8",
-            range: ParameterRange::Count(1, MOST_PLACES),
-            what: "places for fragments",
-        },
-        ParameterInfo {
-            key: "overflow",
-            default: "tail",
-            range: ParameterRange::Choice(&["tail", "front"]),
-            what: "what makes room: the furthest fragment, merged into a tail; or as in the paper the nearest, blended in front",
-        },
-    ],
+    bias: "a fragment that comes more than k places too late is blended behind what it should hide; nothing is dropped",
+    parameters: &[ParameterInfo {
+        key: "k",
+        default: "8",
+        range: ParameterRange::Count(1, MOST_PLACES),
+        what: "places for fragments",
+    }],
     alignment_px: 1,
 };
 
@@ -41,43 +32,27 @@ pub const INFO: MethodInfo = MethodInfo {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Kbuffer {
     k: u32,
-    overflow: Overflow,
 }
 
-/// Which fragment makes room.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Overflow {
-    Tail,
-    Front,
-}
-
-/// The fragments kept and those that were not.
+/// The fragments kept, and what has been blended in front of them.
 #[derive(Clone, Debug)]
 pub struct Kept {
     kept: Stack,
-    merged: Layer,
+    blended: Layer,
     merged_count: u32,
 }
 
 impl Kbuffer {
     pub(crate) fn new(values: &Values) -> Self {
-        let overflow = match values.text("overflow") {
-            "front" => Overflow::Front,
-            _ => Overflow::Tail,
-        };
-        Self { k: values.count("k"), overflow }
+        Self { k: values.count("k") }
     }
 
     pub(crate) fn accept<V: Visitor>(&self, visitor: V) -> V::Output {
         visitor.compositing(self)
     }
 
-    fn blended(self, pixel: &Kept) -> Layer {
-        let kept = pixel.kept.blended();
-        match self.overflow {
-            Overflow::Tail => kept.over(&pixel.merged),
-            Overflow::Front => pixel.merged.over(&kept),
-        }
+    fn all(pixel: &Kept) -> Layer {
+        pixel.blended.over(&pixel.kept.blended())
     }
 }
 
@@ -93,12 +68,12 @@ impl Compositing for Kbuffer {
     }
 
     fn memory(&self) -> Memory {
-        // A place: colour and transmittance in 16-bit floats, depth. What is merged has no depth.
+        // A place: colour and transmittance in 16-bit floats, depth. What has been blended has no depth.
         Memory::Bounded(12 * self.k + 8)
     }
 
     fn begin(&self, _: &PixelSite) -> Kept {
-        Kept { kept: Stack::EMPTY, merged: Layer::CLEAR, merged_count: 0 }
+        Kept { kept: Stack::EMPTY, blended: Layer::CLEAR, merged_count: 0 }
     }
 
     fn add(
@@ -108,25 +83,20 @@ impl Compositing for Kbuffer {
         fragment: &Fragment<'_>,
         shade: impl FnOnce() -> Vec3,
     ) -> ControlFlow<()> {
-        let k = self.k as usize;
-        let at = pixel.kept.insert(Layer::new(fragment, shade()));
-        if pixel.kept.layers().len() > k {
+        pixel.kept.insert(Layer::new(fragment, shade()));
+        if pixel.kept.layers().len() > self.k as usize {
             pixel.merged_count += 1;
-            pixel.merged = match self.overflow {
-                Overflow::Front => pixel.merged.over(&pixel.kept.take_nearest()),
-                Overflow::Tail if at == k => pixel.merged.over(&pixel.kept.take_furthest()),
-                Overflow::Tail => pixel.kept.take_furthest().over(&pixel.merged),
-            };
+            pixel.blended = pixel.blended.over(&pixel.kept.take_nearest());
         }
         ControlFlow::Continue(())
     }
 
     fn transmittance(&self, pixel: &Kept, _: usize) -> f32 {
-        self.blended(pixel).transmittance
+        Self::all(pixel).transmittance
     }
 
     fn resolve(&self, pixel: &Kept) -> Vec3 {
-        self.blended(pixel).rgb_premul
+        Self::all(pixel).rgb_premul
     }
 
     fn merged_count(&self, pixel: &Kept) -> u32 {

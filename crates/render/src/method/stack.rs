@@ -54,13 +54,12 @@ impl Stack {
         &self.layers[..self.len]
     }
 
-    /// Puts a layer where its depth belongs and returns where that is. At most [`MOST_PLACES`] may be there before.
-    pub(super) fn insert(&mut self, layer: Layer) -> usize {
+    /// Puts a layer where its depth belongs. At most [`MOST_PLACES`] may be there before.
+    pub(super) fn insert(&mut self, layer: Layer) {
         let at = self.layers().partition_point(|other| other.place <= layer.place);
         self.layers.copy_within(at..self.len, at + 1);
         self.layers[at] = layer;
         self.len += 1;
-        at
     }
 
     pub(super) fn take_nearest(&mut self) -> Layer {
@@ -70,15 +69,11 @@ impl Stack {
         nearest
     }
 
-    pub(super) fn take_furthest(&mut self) -> Layer {
-        self.len -= 1;
-        self.layers[self.len]
-    }
-
     /// Merges the two furthest layers.
     pub(super) fn merge_furthest(&mut self) {
-        let behind = self.take_furthest();
-        self.layers[self.len - 1] = self.layers[self.len - 1].over(&behind);
+        self.len -= 1;
+        let [front, behind] = [self.len - 1, self.len].map(|at| self.layers[at]);
+        self.layers[self.len - 1] = front.over(&behind);
     }
 
     /// All layers as one.
