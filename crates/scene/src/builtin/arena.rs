@@ -140,7 +140,8 @@ mod tests {
                 let low = corners.iter().copied().reduce(Vec3::min).unwrap();
                 let high = corners.iter().copied().reduce(Vec3::max).unwrap();
                 // Two instances under one id would span the distance between them.
-                let allowed = if low.length() > 100.0 { 2.0 * arena_place::ARENA_RADIUS } else { 6.2 };
+                let sky = low.length() > 100.0;
+                let allowed = if sky { 2.0 * arena_place::ARENA_RADIUS } else { arena_place::FLOOR_RADIUS };
                 assert!((high - low).max_element() < allowed, "{low} to {high} at {time_secs} s");
             }
         }
@@ -165,14 +166,14 @@ mod tests {
             }
             let lowest = corners.iter().map(|corner| corner.y).fold(f32::MAX, f32::min);
             let widest = corners.iter().map(|corner| corner.with_y(0.0).length()).fold(0.0, f32::max);
-            // A foot or a fist may press a hand's breadth into the ground between two poses.
-            assert!((-0.25..0.02).contains(&lowest), "{lowest} at step {step}");
+            // Boulders are not round: a foot or a fist of the golem may press a hand's breadth into the ground.
+            assert!((-0.20..0.05).contains(&lowest), "{lowest} at step {step}");
             assert!(widest < arena_place::FLOOR_RADIUS, "{widest} at step {step}");
             if let Some(previous) = previous.replace(corners.clone()) {
                 let pairs: Vec<(Vec3, Vec3)> = corners.into_iter().zip::<Vec<Vec3>>(previous).collect();
                 let far = pairs.iter().map(|(now, then)| now.distance(*then)).fold(0.0, f32::max);
-                // Nobody goes faster than a blade.
-                assert!(far < 3.5, "{far} at step {step}");
+                // Nothing goes faster than the golem's fist, which falls from above its head in a quarter of a second.
+                assert!(far < 5.5, "{far} at step {step}");
                 travelled += far;
             }
         }

@@ -66,6 +66,8 @@ impl Wardrobe {
 const PERSON: Build = Build {
     thigh: 0.44,
     shin: 0.46,
+    toe: 0.19,
+    heel: 0.07,
     hip: 0.11,
     shoulder: 0.26,
     shoulder_height: 0.47,
@@ -404,6 +406,8 @@ pub(super) fn raider(wardrobe: &Wardrobe, tint: Vec3) -> Body {
 const GOLEM: Build = Build {
     thigh: 0.95,
     shin: 0.95,
+    toe: 0.75,
+    heel: 0.48,
     hip: 0.62,
     shoulder: 1.42,
     shoulder_height: 1.55,

@@ -47,6 +47,9 @@ const CAPE_JOINTS: usize = 4;
 pub(super) struct Build {
     pub(super) thigh: f32,
     pub(super) shin: f32,
+    /// From the ankle forwards to the toes and back to the heel; a foot is one with its shin.
+    pub(super) toe: f32,
+    pub(super) heel: f32,
     /// Half the distance of the hip joints, and of the shoulders.
     pub(super) hip: f32,
     pub(super) shoulder: f32,
@@ -250,9 +253,11 @@ impl Part<'_> {
 }
 
 fn local_transforms(build: &Build, pose: &Pose, at: Vec2, heading: Vec2) -> [(Vec3, Quat); JOINT_COUNT] {
-    // The lower foot stands on the ground.
+    // The lower foot stands on the ground, on its toes or its heel.
     let reach = |leg: &Limb| {
-        leg.out.cos() * (build.thigh * leg.forward.cos() + build.shin * (leg.forward - leg.flex).cos())
+        let (sin, cos) = (leg.forward - leg.flex).sin_cos();
+        let sole = (-build.toe * sin).max(build.heel * sin);
+        leg.out.cos() * (build.thigh * leg.forward.cos() + build.shin * cos + sole)
     };
     let hip_height = reach(&pose.legs[0]).max(reach(&pose.legs[1]));
     let bend = |angle: f32| Quat::from_rotation_x(angle);
@@ -364,6 +369,8 @@ mod tests {
     const BUILD: Build = Build {
         thigh: 0.45,
         shin: 0.45,
+        toe: 0.2,
+        heel: 0.1,
         hip: 0.1,
         shoulder: 0.2,
         shoulder_height: 0.5,
@@ -382,7 +389,11 @@ mod tests {
         assert!(hand(0).distance(Vec3::Z) < 1e-5 && hand(1).distance(Vec3::X) < 1e-5);
         let foot = |side: usize| {
             let (thigh, shin) = (joints[LEG[side]].1, joints[LEG[side] + 1].1);
-            joints[HIPS].0.y + (thigh * (joints[LEG[side] + 1].0 + shin * (Vec3::Y * -BUILD.shin))).y
+            let sole = |along: f32| {
+                let point = shin * Vec3::new(0.0, -BUILD.shin, along);
+                joints[HIPS].0.y + (thigh * (joints[LEG[side] + 1].0 + point)).y
+            };
+            sole(BUILD.toe).min(sole(-BUILD.heel))
         };
         assert!(foot(0).min(foot(1)).abs() < 1e-5, "{} {}", foot(0), foot(1));
     }
