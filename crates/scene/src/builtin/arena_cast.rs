@@ -134,11 +134,11 @@ const HEAVE: Pose = Pose {
     legs: GOLEM_LEGS,
 };
 const SMASH: Pose = Pose {
-    lean: 0.75,
+    lean: 0.82,
     turn: 0.0,
     nod: -0.1,
-    arms: [limb(1.15, 0.05, 0.1), limb(1.15, 0.05, 0.1)],
-    legs: [limb(-0.25, 0.25, 0.5), limb(0.75, 0.25, 1.0)],
+    arms: [limb(1.20, 0.05, 0.1), limb(1.20, 0.05, 0.1)],
+    legs: [limb(0.60, 0.25, 1.0), limb(0.95, 0.25, 0.95)],
 };
 const INHALE: Pose = Pose {
     lean: -0.2,

@@ -591,7 +591,7 @@ impl Conjurer<'_> {
     fn smash(&mut self) {
         for hand in [RIGHT_HAND, LEFT_HAND] {
             let fist = self.cast.golem.point(hand, Vec3::Y * -1.2, SMASH_SECS + 0.05).with_y(0.15);
-            for _ in 0..self.number(60) {
+            for _ in 0..self.number(80) {
                 let around = Vec2::from_angle(self.chance.between(0.0, TAU));
                 let out = Vec3::new(around.x, self.chance.between(0.05, 0.4), around.y)
                     * self.chance.between(0.9, 2.9);
@@ -601,7 +601,8 @@ impl Conjurer<'_> {
                     acceleration: -out / lifetime_secs * 0.85,
                     half_size: [0.2, self.chance.between(0.5, 0.95)],
                     alpha: self.chance.between(0.20, 0.48),
-                    tint: Vec3::new(0.95, 0.82, 0.70),
+                    // As in a cloud, light scatters many times.
+                    tint: Vec3::new(2.2, 1.75, 1.4),
                     ..puff(
                         SMASH_SECS + self.chance.between(-0.02, 0.1),
                         lifetime_secs,
@@ -635,7 +636,7 @@ impl Conjurer<'_> {
                 velocity: self.chance.gaussian() * Vec3::new(0.22, 0.05, 0.22) + Vec3::Y * 0.12,
                 half_size: [0.2, self.chance.between(0.45, 0.85)],
                 alpha: self.chance.between(0.06, 0.20),
-                tint: Vec3::new(0.80, 0.70, 0.60),
+                tint: Vec3::new(1.9, 1.55, 1.25),
                 ..puff(birth_secs, self.chance.between(1.2, 2.4), at, &mut self.chance)
             });
         }
