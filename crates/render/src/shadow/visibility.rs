@@ -10,8 +10,7 @@
 
 use sheer_core::hash::Pcg32;
 
-use super::mask;
-pub use super::mask::Sampling;
+use super::mask::{self, Sampling};
 
 /// Samples that share a texel, and so one mask a blocker: the paper's 8× MSAA. More samples are those of several texels, as percentage closer
 /// filtering gathers them.

@@ -4,10 +4,7 @@ use sheer_metrics::{rms, statistics::quantile};
 use sheer_render::{
     Antialiasing, Background, Method,
     cpu::{FrameSettings, Rendered, render},
-    shadow::{
-        Shadow,
-        visibility::{Blockers, Sampling},
-    },
+    shadow::{Sampling, Shadow, visibility::Blockers},
 };
 
 use super::lab::{Lab, Played, Take, claim, picture};
