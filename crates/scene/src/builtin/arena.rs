@@ -67,6 +67,8 @@ mod tests {
         sync::{Arc, LazyLock},
     };
 
+    use glam::Vec2;
+
     use super::*;
     use crate::{
         builtin,
@@ -224,11 +226,10 @@ mod tests {
     fn many_layers_overlap_in_the_still_view() {
         let animator = at(&SCENE, 6.4);
         let frame = animator.frame();
-        let size = glam::Vec2::new(32.0, 18.0);
+        let size = Vec2::new(32.0, 18.0);
         let layers: Vec<usize> = (0..18 * 32)
             .map(|pixel| {
-                let ray =
-                    frame.camera().ray(glam::Vec2::new((pixel % 32) as f32, (pixel / 32) as f32) + 0.5, size);
+                let ray = frame.camera().ray(Vec2::new((pixel % 32) as f32, (pixel / 32) as f32) + 0.5, size);
                 let met = (0..).zip(frame.triangles()).filter(|(triangle, corners)| {
                     blends(frame, *triangle) && meets(ray.origin, ray.direction, **corners)
                 });

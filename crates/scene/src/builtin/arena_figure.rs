@@ -381,9 +381,11 @@ mod tests {
 
     #[test]
     fn arms_rise_forwards_and_outwards_and_a_foot_stays_on_the_ground() {
-        let mut pose = Pose::default();
-        pose.arms = [limb(PI / 2.0, 0.0, 0.0), limb(0.0, PI / 2.0, 0.0)];
-        pose.legs = [limb(0.6, 0.0, 0.9), limb(-0.3, 0.0, 0.2)];
+        let pose = Pose {
+            arms: [limb(PI / 2.0, 0.0, 0.0), limb(0.0, PI / 2.0, 0.0)],
+            legs: [limb(0.6, 0.0, 0.9), limb(-0.3, 0.0, 0.2)],
+            ..Pose::default()
+        };
         let joints = local_transforms(&BUILD, &pose, Vec2::ZERO, Vec2::Y);
         let hand = |side: usize| joints[ARM[side]].1 * -Vec3::Y;
         assert!(hand(0).distance(Vec3::Z) < 1e-5 && hand(1).distance(Vec3::X) < 1e-5);

@@ -4,7 +4,7 @@
 
 use std::f32::consts::TAU;
 
-use glam::{Affine3A, Quat, Vec2, Vec3};
+use glam::{Affine3A, IVec2, Quat, Vec2, Vec3};
 
 use super::{
     arena_paint,
@@ -130,7 +130,7 @@ fn put_floor(stage: &mut Stage, palette: &Palette, seed: u32) {
     }
     // Broad stains, soot around the middle, and shade at the foot of the wall.
     floor.shade(|p, _| {
-        let stain = noise.fractal(Vec2::new(p.x, p.z) / 40.0 + 0.5, glam::IVec2::splat(9), 4);
+        let stain = noise.fractal(Vec2::new(p.x, p.z) / 40.0 + 0.5, IVec2::splat(9), 4);
         let radius = Vec2::new(p.x, p.z).length();
         (0.84 + 0.30 * stain) * (0.6 + 0.4 * smoothstep(0.0, 2.4, WALL_RADIUS - radius))
     });
@@ -397,7 +397,7 @@ fn put_hills(stage: &mut Stage, palette: &Palette, seed: u32) {
             let turn = (index % count) as f32 / count as f32;
             let relief = noise.fractal(
                 Vec2::new(turn, 0.29 * ridge as f32 + 0.1),
-                glam::IVec2::new(9 + 4 * ridge as i32, 5),
+                IVec2::new(9 + 4 * ridge as i32, 5),
                 5,
             );
             let open = smoothstep(0.1 * VALLEY_TURN, VALLEY_TURN, (turn - SUN_TURN).abs());

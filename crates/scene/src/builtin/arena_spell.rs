@@ -46,6 +46,9 @@ const BARRIER_HEIGHT: f32 = 3.3;
 const BRAZIER_LOOP_SECS: f32 = 2.0;
 const GRAVITY: Vec3 = Vec3::new(0.0, -9.81, 0.0);
 
+/// At whom a bolt is thrown, and how far before the heart it bursts.
+type Target<'a> = (&'a Actor, f32);
+
 /// Effects in the making.
 struct Conjurer<'a> {
     stage: &'a mut Stage,
@@ -392,8 +395,8 @@ impl Conjurer<'_> {
         let (tidecaller, healer) = ((&cast.tidecaller, 1.35), (&cast.healer, 1.35));
         let [in_front, _, behind] = &cast.knights;
         let (in_front, behind) = ((in_front, 1.3), (behind, 1.3));
-        // Who, and at whom in turn: each with how far before the heart a bolt bursts, which is where their shield is.
-        let throws: [(&Actor, Vec3, &[(&Actor, f32)]); 5] = [
+        // Who, and at whom in turn; bolts burst where there may be a shield.
+        let throws: [(&Actor, Vec3, &[Target<'_>]); 5] = [
             (&cast.warden, ICE, &[golem]),
             (&cast.tidecaller, SEA, &[golem]),
             (&cast.healer, GOLD, &[(&cast.raiders[2], 0.3)]),
