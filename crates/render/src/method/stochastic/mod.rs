@@ -38,7 +38,8 @@ pub const INFO: MethodInfo = MethodInfo {
     id: "stochastic",
     title: "each fragment covers a random subset of the pixel's samples; a z-buffer a sample does the rest",
     paper: "Enderton, Sintorn, Shirley, Luebke (ST)",
-    bias: "none with correct=off; with correct=on less noise, and a bias that falls with the samples (estimator=depth)",
+    bias: "none with correct=off; with correct=on less noise, and a bias that falls with the samples \
+           (estimator=depth); adaptive and filter add theirs",
     parameters: &[
         ParameterInfo {
             key: "samples",

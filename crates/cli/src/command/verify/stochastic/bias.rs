@@ -23,7 +23,7 @@ pub(super) fn checks() -> anyhow::Result<Vec<Check>> {
     }
     checks.push(alpha_correction("stratified")?);
     for samples in [4, 8] {
-        checks.push(empty_pixels(samples)?);
+        checks.push(empty_pixels(samples, "stratified")?);
     }
     checks.push(single_layer("depth")?);
     for samples in [4, 16, 64] {
@@ -57,9 +57,9 @@ fn alpha_correction(masks: &str) -> anyhow::Result<Check> {
 }
 
 /// A layer of alpha 1/(2S) leaves every other pixel empty, and nothing there can be corrected.
-fn empty_pixels(samples: u32) -> anyhow::Result<Check> {
+fn empty_pixels(samples: u32, masks: &str) -> anyhow::Result<Check> {
     let alpha = 0.5 / f64::from(samples);
-    let method = keys(Estimator { is_corrected: true, ..BASIC }, samples);
+    let method = keys(Estimator { is_corrected: true, ..BASIC }, samples).replace("stratified", masks);
     let [measured, ..] = moments(&method, &Stack::single(alpha), TRIALS, 10 + samples, |_, value| value)?;
     let name =
         format!("stochastic, alpha-corrected: share of a layer of alpha 1/{} that is shown", 2 * samples);
@@ -125,8 +125,13 @@ mod tests {
     #[test]
     fn an_alpha_correction_of_winners_is_no_estimator_by_depth() {
         assert!(fails(single_layer("basic")));
-        let basic = number_check(String::new(), "", 0.5, None, &[1.0; 9].into_iter().collect(), |mean| mean);
-        assert!(fails(Ok(basic)), "a layer that is shown whole passes for one of half the alpha");
+    }
+
+    #[test]
+    fn naive_masks_leave_more_pixels_empty() {
+        for samples in [4, 8] {
+            assert!(fails(empty_pixels(samples, "naive")), "{samples}");
+        }
     }
 
     #[test]

@@ -122,6 +122,16 @@ mod tests {
     }
 
     #[test]
+    fn a_layer_that_covers_two_percent_too_much_is_noticed() {
+        for masks in ["naive", "stratified", "laine-karras"] {
+            let mut shares = Shares::measure(masks, 16).unwrap();
+            shares.of_one.iter_mut().for_each(|share| *share *= 1.02);
+            let failed = failures(shares.checks(masks));
+            assert!(failed.iter().any(|name| name.ends_with("mean share of a layer")), "{masks}: {failed:?}");
+        }
+    }
+
+    #[test]
     fn the_variances_fall_with_the_samples() {
         let [few, some, many] = [4, 16, 64].map(variances);
         assert!(few[0] > some[0] && some[0] > many[0] && few[1] > some[1] && some[1] > many[1]);
