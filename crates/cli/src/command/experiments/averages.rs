@@ -92,7 +92,7 @@ pub(super) fn opacities(lab: &Lab<'_>) -> anyhow::Result<Findings> {
     ] {
         let mut pipeline = Pipeline::new(method.parse::<Method>()?, antialiasing, lab.settings(0.0))?;
         let shown = calibrate::shown_opacities(&mut opened.stage, &mut pipeline, areas, FRAMES, || {
-            lab.progress.inc(1)
+            lab.progress.inc(1);
         })?;
         let wanted = |at: usize| (at + 1) as f64 / calibrate::LEVELS as f64;
         let errors: Vec<f64> = shown.iter().enumerate().map(|(at, shown)| shown - wanted(at)).collect();
