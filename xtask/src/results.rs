@@ -1,8 +1,9 @@
-//! `cargo xtask results`: measures what the README claims, and writes it there with the commands that did it.
+//! `cargo xtask results`: makes docs/results.md, the README's pictures and its tables, with the commands that did it.
 
 use std::{fs, process::Command, thread};
 
 use anyhow::{Context as _, ensure};
+use clap::Args;
 
 use crate::{call, gallery::jpeg_from_png, root};
 
@@ -11,21 +12,82 @@ const END: &str = "<!-- results:end -->";
 /// Turns of 1 thread and all threads, one after the other, so that a drifting machine meets both.
 const SCALING_ROUNDS: usize = 5;
 
-pub(crate) fn run() -> anyhow::Result<()> {
-    call("cargo", &["build", "--release", "--package", "sheer", "--locked"])?;
-    picture()?;
+/// Measure the claims.
+#[derive(Args)]
+pub(crate) struct Results {
+    /// Experiments to make again, all if none is given; with a name, pictures and README stay as they are.
+    names: Vec<String>,
+    /// A scene file to take part in the experiments.
+    #[arg(long = "file", value_name = "FILE")]
+    files: Vec<String>,
+}
+
+/// The scenes of the README: name, time and frames that are added up.
+const PICTURES: [(&str, &str, &str); 5] = [
+    ("smoke-square", "0", "64"),
+    ("arena", "6.4", "48"),
+    ("motor", "0", "48"),
+    ("windy-hill", "0", "64"),
+    ("hairball", "0", "64"),
+];
+
+impl Results {
+    pub(crate) fn run(&self) -> anyhow::Result<()> {
+        call("cargo", &["build", "--release", "--package", "sheer", "--locked"])?;
+        self.experiments()?;
+        if !self.names.is_empty() {
+            return Ok(());
+        }
+        pictures()?;
+        readme()
+    }
+
+    /// Makes docs/results.md and the pictures and charts that it shows.
+    fn experiments(&self) -> anyhow::Result<()> {
+        let out = root().join("sheer-out/experiments");
+        let shown = root().join("docs/results");
+        if out.exists() {
+            fs::remove_dir_all(&out)?;
+        }
+        let out_text = out.display().to_string();
+        let mut arguments: Vec<&str> = vec!["experiments", "-o", &out_text];
+        arguments.extend(self.names.iter().map(String::as_str));
+        arguments.extend(self.files.iter().flat_map(|file| ["--file", file]));
+        sheer(&arguments)?;
+        if self.names.is_empty() && shown.exists() {
+            fs::remove_dir_all(&shown)?;
+        }
+        fs::create_dir_all(&shown)?;
+        for entry in fs::read_dir(&out)? {
+            let path = entry?.path();
+            let (Some(stem), Some(ending)) = (path.file_stem(), path.extension()) else { continue };
+            let target = shown.join(stem);
+            if ending == "png" {
+                jpeg_from_png(&path, &target.with_extension("jpg"))?;
+            } else if ending == "svg" {
+                fs::copy(&path, target.with_extension("svg"))?;
+            }
+        }
+        if self.names.is_empty() {
+            let text = fs::read_to_string(out.join("results.md"))?;
+            let text = text.replace("](./", "](results/").replace(".png)", ".jpg)");
+            fs::write(root().join("docs/results.md"), text)?;
+        }
+        Ok(())
+    }
+}
+
+/// The README's tables.
+fn readme() -> anyhow::Result<()> {
     let cores = thread::available_parallelism()?.get();
     let mut section = format!(
-        "## Results\n\nMade by `cargo xtask results` on {cores} cores{}. Time is that of a whole frame without temporal anti-aliasing; SSIM, PSNR and FLIP are \
+        "## Results\n\n[docs/results.md](docs/results.md) has the figures of both papers, measured, and says of each claim whether it held. What follows was \
+         made by `cargo xtask results` on {cores} cores{}. Time is that of a whole frame without temporal anti-aliasing; SSIM, PSNR and FLIP are \
          taken on the displayed picture against `baseline`, RMS and bias in linear light.\n",
         processor().map(|name| format!(" ({name})")).unwrap_or_default()
     );
-    let experiments: [(&str, &[&str]); 4] = [
+    let experiments: [(&str, &[&str]); 3] = [
         ("Moving through the square, temporal anti-aliasing:", &["compare", "-o", "sheer-out/results"]),
-        (
-            "One still pane, still camera:",
-            &["compare", "pane", "--size", "480x270", "--frames", "48", "-o", "sheer-out/results-pane"],
-        ),
         (
             "Inside the smoke, time of a frame:",
             &[
@@ -48,39 +110,55 @@ pub(crate) fn run() -> anyhow::Result<()> {
             ],
         ),
         (
-            "Along the whole path through the cloud:",
-            &["bench", "smoke-square", "--size", "192x108", "--frames", "360", "-m", "std", "-m", "roulette"],
+            "An engine of 322,000 transparent triangles, by what composites them:",
+            &[
+                "compare",
+                "motor",
+                "--size",
+                "480x270",
+                "--frames",
+                "4",
+                "-a",
+                "none",
+                "-m",
+                "std",
+                "-m",
+                "stochastic",
+                "-m",
+                "weighted",
+                "-m",
+                "moments",
+                "-m",
+                "mlab",
+                "-m",
+                "kbuffer",
+                "-m",
+                "peel:layers=4",
+                "-o",
+                "sheer-out/results-motor",
+            ],
         ),
     ];
     for (title, arguments) in experiments {
         let table = sheer(arguments)?;
         section += &format!("\n{title}\n\n```text\n$ sheer {}\n{}```\n", arguments.join(" "), table);
     }
-    section += "\nShading one fragment keeps the shading constant along that path. What still grows inside the cloud is the number of hits that each camera and \
-                shadow ray tests: a GPU hides it, a CPU pays for every one, and so the slowest frame takes more than the median.\n";
     section += &format!("\n{}\n", scaling(cores)?);
     insert(&section)
 }
 
-/// The picture at the top of the README.
-fn picture() -> anyhow::Result<()> {
-    let png = root().join("docs/smoke-square.png");
-    let out = png.display().to_string();
-    sheer(&[
-        "render",
-        "smoke-square",
-        "--camera",
-        "static",
-        "-m",
-        "std",
-        "-a",
-        "taa",
-        "--frames",
-        "64",
-        "-o",
-        &out,
-    ])?;
-    jpeg_from_png(&png, &root().join("docs/smoke-square.jpg"))
+/// The pictures of the README.
+fn pictures() -> anyhow::Result<()> {
+    for (scene, time, frames) in PICTURES {
+        let png = root().join(format!("docs/{scene}.png"));
+        let out = png.display().to_string();
+        let aa = if scene == "smoke-square" { "taa" } else { "accumulate" };
+        let camera = ["--camera", "static", "--time", time];
+        let how = ["-m", "std", "-a", aa, "--frames", frames, "-o", &out];
+        sheer(&[&["render", scene][..], &camera, &how].concat())?;
+        jpeg_from_png(&png, &png.with_extension("jpg"))?;
+    }
+    Ok(())
 }
 
 /// How much faster all cores are than one.

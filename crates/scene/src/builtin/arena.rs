@@ -5,17 +5,20 @@
 
 use glam::Vec3;
 
-use super::{
-    ParameterInfo, ParameterRange, SEED, Values, arena_cast, arena_place,
-    arena_spell::{self, Effects},
-    palette::Palette,
-    stage::Stage,
-};
+use self::spell::Effects;
+use super::{ParameterInfo, ParameterRange, SEED, Values, palette::Palette, stage::Stage};
 use crate::{
     SceneError,
     camera::{Camera, CameraKey, CameraMotion, Lens},
     scene::Scene,
 };
+
+mod body;
+mod cast;
+mod figure;
+mod paint;
+mod place;
+mod spell;
 
 pub(super) const PARAMETERS: &[ParameterInfo] = &[
     ParameterInfo {
@@ -33,11 +36,11 @@ const YFOV_RAD: f32 = 0.70;
 
 pub(super) fn build(values: &Values) -> Result<Scene, SceneError> {
     let seed = values.count(SEED.key);
-    let mut stage = Stage::new("arena", arena_place::dusk());
+    let mut stage = Stage::new("arena", place::dusk());
     let palette = Palette::new(&mut stage, seed);
-    arena_place::raise(&mut stage, &palette, seed);
-    let cast = arena_cast::assemble(&mut stage, &palette, seed);
-    arena_spell::conjure(&mut stage, &cast, Effects { amount: values.real("effects"), seed });
+    place::raise(&mut stage, &palette, seed);
+    let cast = cast::assemble(&mut stage, &palette, seed);
+    spell::conjure(&mut stage, &cast, Effects { amount: values.real("effects"), seed });
 
     stage.camera(Camera::fixed("static", YFOV_RAD, Vec3::new(-0.9, 2.75, 10.5), Vec3::new(0.10, 1.85, -1.0)));
     let key = |time_secs, eye: Vec3, target: Vec3| CameraKey { time_secs, eye, target };
@@ -143,7 +146,7 @@ mod tests {
                 let high = corners.iter().copied().reduce(Vec3::max).unwrap();
                 // Two instances under one id would span the distance between them.
                 let sky = low.length() > 100.0;
-                let allowed = if sky { 2.0 * arena_place::ARENA_RADIUS } else { arena_place::FLOOR_RADIUS };
+                let allowed = if sky { 2.0 * place::ARENA_RADIUS } else { place::FLOOR_RADIUS };
                 assert!((high - low).max_element() < allowed, "{low} to {high} at {time_secs} s");
             }
         }
@@ -170,7 +173,7 @@ mod tests {
             let widest = corners.iter().map(|corner| corner.with_y(0.0).length()).fold(0.0, f32::max);
             // Boulders are not round: a foot or a fist of the golem may press a hand's breadth into the ground.
             assert!((-0.20..0.05).contains(&lowest), "{lowest} at step {step}");
-            assert!(widest < arena_place::FLOOR_RADIUS, "{widest} at step {step}");
+            assert!(widest < place::FLOOR_RADIUS, "{widest} at step {step}");
             if let Some(previous) = previous.replace(corners.clone()) {
                 let pairs: Vec<(Vec3, Vec3)> = corners.into_iter().zip::<Vec<Vec3>>(previous).collect();
                 let far = pairs.iter().map(|(now, then)| now.distance(*then)).fold(0.0, f32::max);

@@ -3,19 +3,13 @@
 //! A scene is a row of the table in [`catalogue`]: its description, its parameters and the function that builds it. A new scene is a new
 //! file and a new row. What scenes share lies beside them: `stage` puts parts together, `shape` models, `paint` makes textures, `palette`
 //! holds the materials of the town; `house`, `foliage`, `furniture`, `square` and `smoke` are what stands in it. `hair`, `body`, `girl`,
-//! `grass` and `wind` make what grows and sways. The files of `arena` are its own: place, figures, bodies, cast and spells.
+//! `grass` and `wind` make what grows and sways. `arena` and `motor` have folders of their own.
 
 use sheer_core::parameter::{ParameterInfo, ParameterRange, Values, split_name};
 
 use crate::{SceneError, scene::Scene};
 
 mod arena;
-mod arena_body;
-mod arena_cast;
-mod arena_figure;
-mod arena_paint;
-mod arena_place;
-mod arena_spell;
 mod body;
 mod calibration;
 mod chance;

@@ -6,8 +6,8 @@ use std::f32::consts::TAU;
 
 use glam::{Affine3A, IVec2, Quat, Vec2, Vec3};
 
-use super::{
-    arena_paint,
+use super::paint;
+use crate::builtin::{
     chance::Chance,
     furniture,
     paint::{Noise, smoothstep},
@@ -267,7 +267,7 @@ fn pillar(palette: &Palette, height: f32, chance: &mut Chance) -> Model {
 
 fn put_pillars(stage: &mut Stage, palette: &Palette, seed: u32) {
     let mut chance = Chance::new(seed, "pillars");
-    let texture = stage.texture("banner", arena_paint::banner(seed), true);
+    let texture = stage.texture("banner", paint::banner(seed), true);
     let cloth = stage.material(Material {
         name: "banner".to_owned(),
         base_colour_texture: Some(TextureRef::new(texture)),

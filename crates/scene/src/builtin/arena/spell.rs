@@ -7,12 +7,14 @@ use std::f32::consts::{PI, TAU};
 use glam::{Quat, Vec2, Vec3, Vec4};
 
 use super::{
-    arena::CLIP_SECS,
-    arena_body::{GOLEM_MOUTH, crescent, staff_tip},
-    arena_cast::{BARRIER_SECS, BREATH_SECS, CAST, Cast, HEART, SLASH, SMASH_SECS, WATER_SECS},
-    arena_figure::{Actor, CHEST, HEAD, LEFT_HAND, RIGHT_HAND, ROOT},
-    arena_paint::{self, DROP, FLAME_ATLAS, FLAME_TILES, GLOW, SPARK},
-    arena_place,
+    CLIP_SECS,
+    body::{GOLEM_MOUTH, crescent, staff_tip},
+    cast::{BARRIER_SECS, BREATH_SECS, CAST, Cast, HEART, SLASH, SMASH_SECS, WATER_SECS},
+    figure::{Actor, CHEST, HEAD, LEFT_HAND, RIGHT_HAND, ROOT},
+    paint::{self, DROP, FLAME_ATLAS, FLAME_TILES, GLOW, SPARK},
+    place,
+};
+use crate::builtin::{
     chance::Chance,
     shape::{Model, Shape, Vertex},
     smoke,
@@ -159,7 +161,7 @@ impl Conjurer<'_> {
     }
 
     fn raise_shields(&mut self) {
-        let facet = self.stage.texture("facet", arena_paint::facet(), true);
+        let facet = self.stage.texture("facet", paint::facet(), true);
         let cast = self.cast;
         let shields: [(&Actor, f32, Vec3, [f32; 2]); 9] = [
             (&cast.tidecaller, 1.30, SEA, [1.5, 8.7]),
@@ -209,7 +211,7 @@ impl Conjurer<'_> {
     }
 
     fn raise_barrier(&mut self, seed: u32) {
-        let texture = self.stage.texture("curtain", arena_paint::curtain(seed), true);
+        let texture = self.stage.texture("curtain", paint::curtain(seed), true);
         let material = self.shining("barrier", Some(texture), (1.5 * ICE).extend(0.95));
         let (warden, towards) = self.against_golem();
         for shell in 0..1 + self.amount.ceil() as u32 {
@@ -245,7 +247,7 @@ impl Conjurer<'_> {
     }
 
     fn draw_circles(&mut self, seed: u32) {
-        let texture = self.stage.texture("circle", arena_paint::circle(seed), true);
+        let texture = self.stage.texture("circle", paint::circle(seed), true);
         let cast = self.cast;
         let circles: [(&Actor, f32, Vec3, [f32; 2]); 6] = [
             (&cast.tidecaller, 1.6, SEA, [0.9, 8.9]),
@@ -318,7 +320,7 @@ impl Conjurer<'_> {
 
     /// What a blade leaves in the air.
     fn swing_blades(&mut self, seed: u32) {
-        let texture = self.stage.texture("trail", arena_paint::trail(seed), true);
+        let texture = self.stage.texture("trail", paint::trail(seed), true);
         let cast = self.cast;
         let bright = self.shining("trail", Some(texture), Vec4::new(1.5, 2.1, 2.8, 0.9));
         let dark = self.shining("trail", Some(texture), Vec4::new(2.8, 0.55, 0.16, 0.9));
@@ -648,7 +650,7 @@ impl Conjurer<'_> {
     /// Fire in the braziers, and sparks that fly up from it.
     fn kindle(&mut self) -> Vec<Particle> {
         let mut flames = Vec::new();
-        for fire in arena_place::braziers() {
+        for fire in place::braziers() {
             for _ in 0..self.number(56) {
                 let around = self.chance.gaussian() * Vec3::new(0.20, 0.02, 0.20);
                 let lifetime_secs = self.chance.between(0.6, 1.15);
@@ -689,7 +691,7 @@ impl Conjurer<'_> {
         let flames = self.kindle();
         let clouds = self.clouds();
 
-        let atlas = self.stage.texture("flames", arena_paint::flames(seed), true);
+        let atlas = self.stage.texture("flames", paint::flames(seed), true);
         let shining = self.shining("flames", Some(atlas), Vec4::ONE);
         let water = self.stage.material(Material {
             name: "drops".to_owned(),
@@ -734,7 +736,7 @@ impl Conjurer<'_> {
         for bank in 0..self.number(9) {
             let turn = 0.53 + 0.045 * (bank as f32 - 4.0) + self.chance.about(0.0, 0.015);
             let middle =
-                arena_place::around(turn, self.chance.between(155.0, 170.0), self.chance.between(34.0, 60.0));
+                place::around(turn, self.chance.between(155.0, 170.0), self.chance.between(34.0, 60.0));
             let across = Vec3::Y.cross(middle).normalize();
             for _ in 0..7 {
                 let stray = self.chance.gaussian();

@@ -5,8 +5,8 @@ use std::f32::consts::{FRAC_PI_2, PI, TAU};
 use glam::{Affine3A, Quat, Vec2, Vec3};
 use sheer_core::colour::linear_from_hex;
 
-use super::{
-    arena_figure::{Body, Build},
+use super::figure::{Body, Build};
+use crate::builtin::{
     chance::Chance,
     palette::Palette,
     shape::{Model, Shape, Vertex},

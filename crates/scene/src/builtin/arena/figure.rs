@@ -6,7 +6,8 @@ use std::f32::consts::{PI, TAU};
 
 use glam::{Affine3A, EulerRot, Quat, Vec2, Vec3};
 
-use super::{arena::CLIP_SECS, shape::Model, stage::Stage};
+use super::CLIP_SECS;
+use crate::builtin::{shape::Model, stage::Stage};
 use crate::model::{Animation, Channel, Influence, Interpolation, Keys, Track};
 
 /// Keys a second: a strike of 0.15 s still gets three.

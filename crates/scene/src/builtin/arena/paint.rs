@@ -5,7 +5,7 @@ use std::f32::consts::{PI, TAU};
 use glam::{IVec2, Vec2, Vec3};
 use sheer_image::Image;
 
-use super::paint::{Noise, paint_colour, smoothstep};
+use crate::builtin::paint::{Noise, paint_colour, smoothstep};
 
 /// Columns and rows of [`flames`].
 pub(super) const FLAME_ATLAS: [u32; 2] = [4, 4];

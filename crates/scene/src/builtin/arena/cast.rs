@@ -4,12 +4,10 @@ use glam::Vec3;
 use sheer_core::colour::linear_from_hex;
 
 use super::{
-    arena_body::{self, Team, Wardrobe},
-    arena_figure::{Actor, Body, Limb, Move, Part, Pose, enter, limb},
-    chance::Chance,
-    palette::Palette,
-    stage::Stage,
+    body::{self, Team, Wardrobe},
+    figure::{Actor, Body, Limb, Move, Part, Pose, enter, limb},
 };
+use crate::builtin::{chance::Chance, palette::Palette, stage::Stage};
 
 /// Everybody, by what they do.
 pub(super) struct Cast {
@@ -220,7 +218,7 @@ impl Casting<'_> {
     }
 
     fn golem(&mut self) -> Actor {
-        let body = arena_body::golem(&self.wardrobe, &mut self.chance);
+        let body = body::golem(&self.wardrobe, &mut self.chance);
         let gaze: Marks =
             &[(0.0, -1.5, 2.0), (3.6, -0.8, 1.8), (4.6, -2.7, 1.5), (7.6, -2.7, 1.5), (9.5, -1.5, 2.0)];
         let moves = [(SMASH_SECS - 1.2, GOLEM_SMASH), (BREATH_SECS[0] - 0.75, GOLEM_BREATH)];
@@ -228,7 +226,7 @@ impl Casting<'_> {
     }
 
     fn mages(&mut self) -> [Actor; 3] {
-        let mage = |wardrobe: &Wardrobe, hex| arena_body::mage(wardrobe, Team::Heroes, linear_from_hex(hex));
+        let mage = |wardrobe: &Wardrobe, hex| body::mage(wardrobe, Team::Heroes, linear_from_hex(hex));
         let wardrobe = self.wardrobe;
         let warden = self.enter(
             "warden",
@@ -256,7 +254,7 @@ impl Casting<'_> {
 
     fn knights(&mut self) -> [Actor; 3] {
         let wardrobe = self.wardrobe;
-        let knight = |hex| arena_body::knight(&wardrobe, linear_from_hex(hex));
+        let knight = |hex| body::knight(&wardrobe, linear_from_hex(hex));
         let in_front = self.enter(
             "knight 1",
             knight(BLUE),
@@ -303,7 +301,7 @@ impl Casting<'_> {
 
     fn warlocks(&mut self) -> [Actor; 2] {
         let wardrobe = self.wardrobe;
-        let mage = |hex| arena_body::mage(&wardrobe, Team::Raiders, linear_from_hex(hex));
+        let mage = |hex| body::mage(&wardrobe, Team::Raiders, linear_from_hex(hex));
         let violet = self.enter(
             "warlock 1",
             mage(0x3a1440),
@@ -323,7 +321,7 @@ impl Casting<'_> {
 
     fn raiders(&mut self) -> [Actor; 3] {
         let wardrobe = self.wardrobe;
-        let raider = || arena_body::raider(&wardrobe, linear_from_hex(0x9c1c18));
+        let raider = || body::raider(&wardrobe, linear_from_hex(0x9c1c18));
         let in_front = self.enter(
             "raider 1",
             raider(),
