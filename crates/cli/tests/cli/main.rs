@@ -3,6 +3,7 @@
 mod bench;
 mod calibrate;
 mod compare;
+mod experiments;
 mod interruption;
 mod render;
 mod run;

@@ -1,4 +1,4 @@
-//! The pages of `compare`, `bench` and `calibrate`, looked at in a browser without a window.
+//! The pages of `compare`, `bench`, `calibrate` and `experiments`, looked at in a browser without a window.
 #![expect(
     clippy::unwrap_used,
     reason = "a test fails by panicking, whether in a test function or on its way there"
@@ -36,6 +36,10 @@ impl Pages {
                 folder.path(),
                 "calibrate -m roulette -a accumulate --size 320x180 --frames 4 --quiet --html calibrate.html",
             );
+            succeed(
+                folder.path(),
+                "experiments sequences visibility moving-pane --size 64x36 --quiet -o experiments",
+            );
             Self { folder }
         })
     }
@@ -44,9 +48,9 @@ impl Pages {
         Self::get().folder.path().join("compare/index.html")
     }
 
-    fn all() -> [PathBuf; 3] {
+    fn all() -> [PathBuf; 4] {
         let file = |name| Self::get().folder.path().join(name);
-        [Self::comparison(), file("bench.html"), file("calibrate.html")]
+        [Self::comparison(), file("bench.html"), file("calibrate.html"), file("experiments/index.html")]
     }
 }
 
