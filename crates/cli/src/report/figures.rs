@@ -81,10 +81,14 @@ impl Figures {
         Self { headings: named.chain(counted).collect(), rows: rows.iter().map(cells).collect() }
     }
 
-    /// Headings with rows of their own; a column is one of figures if its first cell is one.
+    /// Headings with rows of their own; a column after the first is one of figures if its first cell is one.
     pub(crate) fn of_data(titles: &[&'static str], rows: Vec<Vec<Datum>>) -> Self {
         let is_number = |at: usize| {
-            rows.first().and_then(|row| row.get(at)).is_some_and(|datum| matches!(datum, Datum::Number(..)))
+            at > 0
+                && rows
+                    .first()
+                    .and_then(|row| row.get(at))
+                    .is_some_and(|datum| matches!(datum, Datum::Number(..)))
         };
         let headings = titles.iter().enumerate();
         let headings =

@@ -106,7 +106,10 @@ impl Compositing for List {
         let &Fragment { coverage, alpha, depths, order, .. } = fragment;
         let first_depth = pixel.depths.len();
         pixel.depths.extend_from_slice(depths);
-        pixel.entries.push(Entry { coverage, alpha, rgb_straight: shade(), first_depth, order });
+        let place = |entry: &Entry| (pixel.depths[entry.first_depth], entry.order);
+        // In one order whatever that of arrival, so that not even rounding tells them apart; of one sample it is the final one.
+        let at = pixel.entries.partition_point(|other| place(other) < (depths[0], order));
+        pixel.entries.insert(at, Entry { coverage, alpha, rgb_straight: shade(), first_depth, order });
         ControlFlow::Continue(())
     }
 
