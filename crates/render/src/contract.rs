@@ -147,6 +147,8 @@ pub struct Hybrid {
 impl Hybrid {
     /// No exact part at all.
     pub const NONE: Self = Self { visibility: 1.0, layers: None };
+    /// Nothing but the exact part: the baseline.
+    pub const EXACT: Self = Self { visibility: 0.0, layers: None };
 
     /// The keys for it.
     pub(crate) const PARAMETERS: &[ParameterInfo] = &[

@@ -1,8 +1,4 @@
 //! `sheer experiments`.
-#![expect(
-    clippy::unwrap_used,
-    reason = "a test fails by panicking, whether in a test function or on its way there"
-)]
 
 use std::fs;
 

@@ -232,9 +232,10 @@ fn correction(values: &Values) -> Correction {
     }
 }
 
-/// The alignment that a method has and its user has not turned off.
+/// The alignment that a method has and its user has not turned off; a hybrid that is exact all through has no pattern to align to.
 fn alignment_px(info: &MethodInfo, values: &Values) -> u32 {
-    let is_off = info.alignment_px > 1 && values.text(ALIGNMENT_PARAMETER.key) == "off";
+    let is_off = info.alignment_px > 1
+        && (values.text(ALIGNMENT_PARAMETER.key) == "off" || Hybrid::new(values) == Hybrid::EXACT);
     if is_off { 1 } else { info.alignment_px }
 }
 
@@ -281,6 +282,9 @@ mod tests {
     fn alignment_can_be_turned_off_where_there_is_any() {
         for info in METHODS {
             assert_eq!(info.id.parse::<Method>().unwrap().alignment_px(), info.alignment_px, "{}", info.id);
+            if let Ok(exact) = format!("{}:hybrid=0", info.id).parse::<Method>() {
+                assert_eq!(exact.alignment_px(), 1, "{}", info.id);
+            }
             let off = format!("{}:align=off", info.id).parse::<Method>();
             assert_eq!(off.is_ok(), info.alignment_px > 1, "{}", info.id);
             assert!(off.is_ok_and(|method| method.alignment_px() == 1) || info.alignment_px == 1);
