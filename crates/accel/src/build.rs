@@ -103,9 +103,10 @@ pub(crate) struct Part {
     pub(crate) bounds: Bounds,
 }
 
-/// Whether a triangle takes part. One with two equal vertices has no inside. One with its vertices on a
+/// Whether a triangle takes part in a tree, see [`crate::Bvh`]. One with two equal vertices has no inside. One with its vertices on a
 /// line stays: after the rounding of the triangle test it may be what closes a T-junction.
-pub(crate) fn is_kept(triangle: &[Vec3; 3]) -> bool {
+#[must_use]
+pub fn is_kept(triangle: &[Vec3; 3]) -> bool {
     let [a, b, c] = triangle;
     let finite = |p: &Vec3| p.abs().cmple(Vec3::splat(COORDINATE_LIMIT)).all();
     finite(a) && finite(b) && finite(c) && a != b && b != c && c != a

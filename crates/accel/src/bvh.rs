@@ -1,13 +1,17 @@
 //! The tree as callers see it: build, rebuild what moves, and the four questions a ray can ask.
 
 use std::fmt;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use glam::{Vec3, Vec3A};
 
 use crate::build::{self, Part};
 use crate::node::{Block, Child, Node};
 use crate::simd::{SimdPath, SupportedPath};
-use crate::{AccelError, Hit, Ray, Stats, validate};
+use crate::{AccelError, Hit, PackedTree, Ray, Stats, validate};
+
+/// The last [`PackedTree::kept_id`] given.
+static LAST_KEPT_ID: AtomicU64 = AtomicU64::new(0);
 
 /// A tree over triangles. Queries take `&self` and may run on any number of threads.
 ///
@@ -32,6 +36,8 @@ struct Kept {
     node_count: usize,
     block_count: usize,
     part: Option<Part>,
+    /// See [`PackedTree::kept_id`].
+    id: u64,
 }
 
 /// What a traversal reads.
@@ -53,7 +59,7 @@ impl Bvh {
             nodes: Vec::new(),
             blocks: Vec::new(),
             whole: None,
-            kept: Kept { triangle_count: 0, node_count: 0, block_count: 0, part: None },
+            kept: Kept { triangle_count: 0, node_count: 0, block_count: 0, part: None, id: 0 },
             path: SupportedPath::detect(),
         };
         bvh.rebuild_after(triangles.len(), triangles);
@@ -77,6 +83,7 @@ impl Bvh {
                 node_count: self.nodes.len(),
                 block_count: self.blocks.len(),
                 part,
+                id: LAST_KEPT_ID.fetch_add(1, Ordering::Relaxed) + 1,
             };
         }
         self.nodes.truncate(self.kept.node_count);
@@ -151,6 +158,22 @@ impl Bvh {
     /// The first fault found.
     pub fn validate(&self, triangles: &[[Vec3; 3]]) -> Result<Stats, AccelError> {
         validate::validate(self.tree(), triangles)
+    }
+
+    /// The tree as bytes, for a processor that traverses it by itself; nothing is copied.
+    #[must_use]
+    pub fn packed(&self) -> PackedTree<'_> {
+        let tree = self.tree();
+        PackedTree {
+            nodes: bytemuck::cast_slice(&self.nodes),
+            blocks: bytemuck::cast_slice(&self.blocks),
+            root: tree.root.unwrap_or(Child::NONE).0,
+            lower: tree.lower.into(),
+            upper: tree.upper.into(),
+            kept_id: self.kept.id,
+            kept_nodes: self.kept.node_count * PackedTree::NODE_BYTES,
+            kept_blocks: self.kept.block_count * PackedTree::BLOCK_BYTES,
+        }
     }
 
     /// The instructions that queries use.

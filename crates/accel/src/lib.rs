@@ -27,6 +27,7 @@
 mod build;
 mod bvh;
 mod node;
+mod packed;
 mod simd;
 #[cfg(test)]
 mod tests;
@@ -35,7 +36,9 @@ mod validate;
 
 use glam::Vec3;
 
+pub use build::is_kept;
 pub use bvh::Bvh;
+pub use packed::PackedTree;
 pub use simd::SimdPath;
 pub use validate::Stats;
 

@@ -1,17 +1,18 @@
 //! Memory layout of the tree: nodes and leaf blocks, eight lanes each.
 
+use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
 /// Children of a node and triangles of a leaf.
 pub(crate) const WIDTH: usize = 8;
 
 /// Points at a [`Node`] or, with the top bit set, at a [`Block`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
 #[repr(transparent)]
 pub(crate) struct Child(pub(crate) u32);
 
 impl Child {
-    const BLOCK: u32 = 1 << 31;
+    pub(crate) const BLOCK: u32 = 1 << 31;
     /// Fills unused lanes, whose boxes no ray enters.
     pub(crate) const NONE: Self = Self(u32::MAX);
 
@@ -48,7 +49,7 @@ impl Child {
 
 /// Eight child boxes and where they lead. 224 bytes: full precision, since quantised boxes cost more to
 /// decode than they save while the tree fits the last-level cache.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C, align(32))]
 pub(crate) struct Node {
     /// Lower x, y, z, then upper x, y, z, of each child. Unused lanes hold +inf and -inf.
@@ -87,7 +88,7 @@ impl Node {
 }
 
 /// A leaf: up to eight triangles. Unused lanes hold NaN, which passes no comparison.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C, align(64))]
 pub(crate) struct Block {
     /// By axis first, as the watertight test picks its axes by the ray: `vertices[axis][vertex][lane]`.

@@ -3,7 +3,7 @@
 use glam::{Vec3, vec3};
 
 use crate::node::Child;
-use crate::{AccelError, Bvh, Hit, Ray, SimdPath};
+use crate::{AccelError, Bvh, Hit, PackedTree, Ray, SimdPath};
 
 type Triangle = [Vec3; 3];
 
@@ -565,7 +565,7 @@ fn validate_finds_what_is_broken() {
         ),
         (
             "doubled triangle",
-            |bvh| bvh.blocks_mut()[3] = bvh.blocks_mut()[4].clone(),
+            |bvh| bvh.blocks_mut()[3] = bvh.blocks_mut()[4],
             |error| matches!(error, AccelError::LostTriangle { .. } | AccelError::BrokenBox { .. }),
         ),
         (
@@ -598,4 +598,29 @@ fn an_unsupported_path_is_refused_with_a_way_out() {
             assert_eq!(result.unwrap().path(), path);
         }
     }
+}
+
+#[test]
+fn a_packed_tree_names_the_part_that_stays() {
+    let mut triangles = Random(24).soup(500, 0.3);
+    let mut bvh = Bvh::build(&triangles[..300]);
+    bvh.rebuild_after(300, &triangles);
+    let before = bvh.clone();
+    for vertex in triangles[300..].as_flattened_mut() {
+        *vertex += Vec3::X;
+    }
+    bvh.rebuild_after(300, &triangles);
+
+    let (old, new) = (before.packed(), bvh.packed());
+    assert_eq!(old.kept_id, new.kept_id);
+    assert_eq!(old.nodes[..old.kept_nodes], new.nodes[..new.kept_nodes]);
+    assert_eq!(old.blocks[..old.kept_blocks], new.blocks[..new.kept_blocks]);
+    assert!(old.kept_nodes > 0 && old.blocks[old.kept_blocks..] != new.blocks[new.kept_blocks..]);
+    bvh.rebuild_after(299, &triangles);
+    assert_ne!(kept_id(&bvh), kept_id(&before), "another part stays");
+    assert_eq!(Bvh::build(&[]).packed().root, PackedTree::NONE);
+}
+
+fn kept_id(bvh: &Bvh) -> u64 {
+    bvh.packed().kept_id
 }

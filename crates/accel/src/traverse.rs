@@ -10,6 +10,10 @@ use crate::{Hit, Ray};
 /// Largest magnitude of a coordinate: areas, and their sums in the build's heuristic, still are an `f32`.
 pub(crate) const COORDINATE_LIMIT: f32 = 1e12;
 
+/// Largest component of a direction, and the least that its largest may be: inverses and distances stay in the range of `f32`.
+pub(crate) const SPEED_LIMIT: f32 = 1e18;
+pub(crate) const LEAST_SPEED: f32 = 1e-18;
+
 /// Visits every hit of `ray` whose `t` lies in `[t_min, t_max]` at that time; `visit` returns the new
 /// `t_max`. Sees near boxes first and stops once `t_max < t_min`.
 #[inline(always)]
@@ -84,7 +88,7 @@ pub(crate) fn traverse<L: Lanes>(lanes: L, tree: Tree<'_>, ray: &Ray, mut visit:
 /// `8 u (X + Z)`, taken once a ray from the root's box as Woop et al. do, and by the rounding of the moved
 /// origin. The rounding of the distances themselves, three operations, and that of a hit's `t` is covered by
 /// [`Slabs::SLACK`] (Ize's factor of 1 + 4 u is for the former alone). None of it costs measurable time.
-struct Slabs {
+pub(crate) struct Slabs {
     origin_near: [f32; 3],
     origin_far: [f32; 3],
     /// 1 per unit of direction; exact to rounding for the fastest axis.
@@ -99,10 +103,14 @@ struct Slabs {
 
 impl Slabs {
     /// Relative slack of box distances: eight roundings.
-    const SLACK: f32 = 1.0 / (1 << 21) as f32;
+    pub(crate) const SLACK: f32 = 1.0 / (1 << 21) as f32;
     /// Slowest axis relative to the fastest: it moves the ray by less than the planes are moved, and keeps
     /// its inverse finite.
-    const SLOWEST: f32 = 1e-12;
+    pub(crate) const SLOWEST: f32 = 1e-12;
+    /// `8 u`, for the vertices that the triangle test moves.
+    pub(crate) const PADDING: f32 = 1.0 / (1 << 21) as f32;
+    /// `2 u`, for the rounding of the moved origin.
+    pub(crate) const ORIGIN_PADDING: f32 = 1.0 / (1 << 23) as f32;
 
     /// None for a ray out of the ranges that [`Ray`] names, NaN included.
     #[inline(always)]
@@ -110,13 +118,13 @@ impl Slabs {
         let (origin, direction) = (Vec3A::from(ray.origin), Vec3A::from(ray.direction));
         let speed = direction.abs();
         let fastest = speed.max_element();
-        let in_range = origin.abs().cmple(Vec3A::splat(COORDINATE_LIMIT)) & speed.cmple(Vec3A::splat(1e18));
-        if !in_range.all() || fastest < 1e-18 {
+        let in_range =
+            origin.abs().cmple(Vec3A::splat(COORDINATE_LIMIT)) & speed.cmple(Vec3A::splat(SPEED_LIMIT));
+        if !in_range.all() || fastest < LEAST_SPEED {
             return None;
         }
         let reach = (lower - origin).abs().max((upper - origin).abs());
-        let pad = (reach + reach.max_element()) * (1.0 / (1 << 21) as f32)
-            + origin.abs() * (1.0 / (1 << 23) as f32);
+        let pad = (reach + reach.max_element()) * Self::PADDING + origin.abs() * Self::ORIGIN_PADDING;
         let pad = pad.copysign(direction);
         let inverse = speed.max(Vec3A::splat(fastest * Self::SLOWEST)).copysign(direction).recip();
         let backwards = direction.is_negative_bitmask();

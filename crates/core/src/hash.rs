@@ -3,16 +3,30 @@
 
 use glam::{Vec2, Vec3, Vec4};
 
-/// Multiplier and increment of the 32-bit linear congruential step (Jarzynski and Olano 2020, section 4.2).
-const LCG_MULTIPLIER: u32 = 1_664_525;
-const LCG_INCREMENT: u32 = 1_013_904_223;
+/// Multiplier of the 32-bit linear congruential step (Jarzynski and Olano 2020, section 4.2).
+pub const LCG_MULTIPLIER: u32 = 1_664_525;
+/// Increment of the same step.
+pub const LCG_INCREMENT: u32 = 1_013_904_223;
+
+/// Multiplier of the step of [`pcg`].
+pub const PCG_MULTIPLIER: u32 = 747_796_405;
+/// Increment of the step of [`pcg`].
+pub const PCG_INCREMENT: u32 = 2_891_336_453;
+/// Multiplier of the output function of [`pcg`].
+pub const PCG_OUTPUT_MULTIPLIER: u32 = 277_803_737;
+
+/// One step of [`unit_from_bits`], 2⁻²⁴.
+pub const UNIT_STEP: f32 = 1.0 / (1 << 24) as f32;
+
+/// The largest 32-bit float below 1.
+pub const BELOW_ONE: f32 = 1.0_f32.next_down();
 
 /// Hash of one number, a bijection: `pcg` of Jarzynski and Olano, *Hash Functions for GPU Rendering*, JCGT 9
 /// (3), 2020.
 #[must_use]
 pub const fn pcg(v: u32) -> u32 {
-    let state = v.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
-    let word = ((state >> ((state >> 28) + 4)) ^ state).wrapping_mul(277_803_737);
+    let state = v.wrapping_mul(PCG_MULTIPLIER).wrapping_add(PCG_INCREMENT);
+    let word = ((state >> ((state >> 28) + 4)) ^ state).wrapping_mul(PCG_OUTPUT_MULTIPLIER);
     (word >> 22) ^ word
 }
 
@@ -79,8 +93,7 @@ const fn lcg(v: u32) -> u32 {
 /// comes out.
 #[must_use]
 pub const fn unit_from_bits(bits: u32) -> f32 {
-    const STEP: f32 = 1.0 / (1 << 24) as f32;
-    (bits >> 8) as f32 * STEP
+    (bits >> 8) as f32 * UNIT_STEP
 }
 
 /// FNV-1a of 64 bits (Fowler, Noll, Vo): a fingerprint that pins tables in tests, no random source.
@@ -91,13 +104,26 @@ pub fn fnv1a(bytes: impl IntoIterator<Item = u8>) -> u64 {
     })
 }
 
+/// Numbers of [`mcguire2`] as the listing has them: how much the sines are blown up, factors of x and y in the first sine, of y in the
+/// second, and the least weight of the first.
+pub const MCGUIRE_GAIN: f32 = 1.0e4;
+/// See [`MCGUIRE_GAIN`].
+pub const MCGUIRE_X: f32 = 17.0;
+/// See [`MCGUIRE_GAIN`].
+pub const MCGUIRE_Y: f32 = 0.1;
+/// See [`MCGUIRE_GAIN`].
+pub const MCGUIRE_Y_OF_WEIGHT: f32 = 13.0;
+/// See [`MCGUIRE_GAIN`].
+pub const MCGUIRE_LEAST: f32 = 0.1;
+
 /// McGuire's hash of two numbers to [0, 1) (*The Graphics Codex* 2.13; STD appendix, Listing 6 `hash`).
 ///
 /// It rests on the platform's `sin`, so that its bits differ between machines, and degrades for large
 /// arguments; the `pcg` family is the default for both reasons.
 #[must_use]
 pub fn mcguire2(v: Vec2) -> f32 {
-    fract_below_one(1.0e4 * (17.0 * v.x + 0.1 * v.y).sin() * (0.1 + (13.0 * v.y + v.x).sin().abs()))
+    let weight = MCGUIRE_LEAST + (MCGUIRE_Y_OF_WEIGHT * v.y + v.x).sin().abs();
+    fract_below_one(MCGUIRE_GAIN * (MCGUIRE_X * v.x + MCGUIRE_Y * v.y).sin() * weight)
 }
 
 /// McGuire's hash of three numbers to [0, 1) (STD appendix, Listing 6 `hash3D`).
@@ -115,14 +141,21 @@ pub fn mcguire4(v: Vec4) -> f32 {
 /// `frac` of the listing. A tiny negative number rounds to 1, which would index past the end of a table: cut
 /// below 1.
 fn fract_below_one(v: f32) -> f32 {
-    (v - v.floor()).min(1.0_f32.next_down())
+    (v - v.floor()).min(BELOW_ONE)
 }
+
+/// Step of SplitMix64 (Steele, Lea and Flood 2014).
+pub const SPLITMIX64_STEP: u64 = 0x9e37_79b9_7f4a_7c15;
+/// Multipliers of its output function.
+pub const SPLITMIX64_FACTORS: [u64; 2] = [0xbf58_476d_1ce4_e5b9, 0x94d0_49bb_1331_11eb];
+/// Multiplier of the step of [`Pcg32`] (O'Neill 2014).
+pub const PCG32_MULTIPLIER: u64 = 6_364_136_223_846_793_005;
 
 /// The output function of SplitMix64 after one step (Steele, Lea and Flood 2014), a bijection.
 const fn splitmix64(v: u64) -> u64 {
-    let v = v.wrapping_add(0x9e37_79b9_7f4a_7c15);
-    let v = (v ^ (v >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    let v = (v ^ (v >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    let v = v.wrapping_add(SPLITMIX64_STEP);
+    let v = (v ^ (v >> 30)).wrapping_mul(SPLITMIX64_FACTORS[0]);
+    let v = (v ^ (v >> 27)).wrapping_mul(SPLITMIX64_FACTORS[1]);
     v ^ (v >> 31)
 }
 
@@ -156,7 +189,7 @@ impl Pcg32 {
     /// The next 32 random bits.
     pub fn next_u32(&mut self) -> u32 {
         let old = self.state;
-        self.state = old.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(self.increment);
+        self.state = old.wrapping_mul(PCG32_MULTIPLIER).wrapping_add(self.increment);
         let shifted = (((old >> 18) ^ old) >> 27) as u32;
         shifted.rotate_right((old >> 59) as u32)
     }

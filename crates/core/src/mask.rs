@@ -132,6 +132,9 @@ pub const fn along_curve([x, y]: [u32; 2]) -> u32 {
     spread(x) | spread(y) << 1
 }
 
+/// Multipliers of the scramble of [`stratified_threshold`], even so that a digit changes higher ones only (Laine and Karras 2011, section 3.1).
+pub const SCRAMBLE: [u32; 4] = [0x6c50_b47c, 0xb82f_1e52, 0xc7af_e638, 0x8d22_f6e6];
+
 /// The threshold, as a fraction of 2³², of the sample with a place along a curve through all samples of all pixels (Laine and Karras 2011,
 /// section 3.1): among any 2^k samples that follow one another from a multiple of 2^k, each 2^k-th of the range from 0 to 1 has one.
 ///
@@ -140,10 +143,10 @@ pub const fn along_curve([x, y]: [u32; 2]) -> u32 {
 #[must_use]
 pub const fn stratified_threshold(place: u32, surface: u32) -> u32 {
     let mut x = place.reverse_bits().wrapping_add(surface);
-    x ^= x.wrapping_mul(0x6c50_b47c);
-    x ^= x.wrapping_mul(0xb82f_1e52);
-    x ^= x.wrapping_mul(0xc7af_e638);
-    x ^ x.wrapping_mul(0x8d22_f6e6)
+    x ^= x.wrapping_mul(SCRAMBLE[0]);
+    x ^= x.wrapping_mul(SCRAMBLE[1]);
+    x ^= x.wrapping_mul(SCRAMBLE[2]);
+    x ^ x.wrapping_mul(SCRAMBLE[3])
 }
 
 #[cfg(test)]

@@ -55,7 +55,7 @@ pub fn split_name(text: &str) -> (&str, &str) {
 }
 
 /// Parameters with their values, each one checked against its range.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Values {
     known: Vec<ParameterInfo>,
     given: Vec<(&'static str, String)>,

@@ -32,7 +32,7 @@ pub use crate::{
     method::{Method, MethodError},
     pipeline::{Clock, Moment, Pipeline, RenderError, Settings, Timings},
     shadow::Shadow,
-    stage::Stage,
+    stage::{LIFT, Stage},
     temporal::Antialiasing,
 };
 

@@ -21,7 +21,7 @@ pub struct Stage {
 }
 
 /// Share of the scene's radius by which shadow rays are lifted off their surface. At a few times the rounding error of a hit point.
-const LIFT: f32 = 1e-5;
+pub const LIFT: f32 = 1e-5;
 
 impl Stage {
     /// Prepares a scene at time zero. `threads`: how many to use, all the processor's by default.

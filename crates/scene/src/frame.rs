@@ -6,7 +6,7 @@
 
 use std::sync::Arc;
 
-use glam::{Mat3, Vec2, Vec3, Vec4, Vec4Swizzles};
+use glam::{Vec2, Vec3, Vec4, Vec4Swizzles};
 
 use crate::{
     camera::CameraPose,
@@ -17,10 +17,14 @@ use crate::{
 mod animator;
 mod deform;
 mod pose;
+mod storage;
 
 pub use animator::Animator;
 pub(crate) use deform::for_each_vertex_at_rest;
 pub(crate) use pose::camera_pose;
+pub use storage::{
+    Look, MIRRORED, NO_TEXTURE, OPAQUE, SINGLE_SIDED, SLOT, StaticCounts, TINTED, TriangleOpacity,
+};
 
 /// Which side of a triangle is seen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -43,17 +47,6 @@ pub struct Object {
     /// Index of its first triangle in [`Frame::triangles`].
     pub first_triangle: u32,
     look: Look,
-}
-
-/// Where an object's vertex attributes come from.
-#[derive(Clone, Debug)]
-enum Look {
-    /// The mesh's own, moved rigidly (or at least affinely).
-    Rigid { mesh: u32, normal_from_object: Mat3, vector_from_object: Mat3 },
-    /// A skinned or morphed mesh: normals lie in [`Frame::deformed_normals`] from `first_normal` on; none if `None`.
-    Deformed { mesh: u32, first_normal: Option<u32> },
-    /// A particle quad: unit axes in world, its tile of the atlas, and its factors.
-    Quad { right: Vec3, up: Vec3, tile_origin: Vec2, tile_size: Vec2, tint: Vec3 },
 }
 
 /// A light at the time of the frame.
@@ -96,27 +89,6 @@ pub struct Surface {
     pub model: ShadingModel,
 }
 
-const OPAQUE: u32 = 1 << 31;
-const SINGLE_SIDED: u32 = 1 << 30;
-const MIRRORED: u32 = 1 << 29;
-/// Its material transmits light in its colour.
-const TINTED: u32 = 1 << 28;
-const SLOT: u32 = TINTED - 1;
-const NO_TEXTURE: u32 = u32::MAX;
-
-/// What the any-hit test reads, gathered a triangle: 48 bytes instead of a walk through object, mesh and material.
-#[derive(Clone, Copy, Debug)]
-struct TriangleOpacity {
-    uv: [Vec2; 3],
-    /// Factor at each vertex.
-    alpha: [f32; 3],
-    texture: u32,
-    /// Alpha test; negative: none.
-    cutoff: f32,
-    /// Factor after the alpha test.
-    opacity: f32,
-}
-
 /// The geometry of one moment.
 #[derive(Clone, Debug)]
 pub struct Frame {
@@ -124,9 +96,9 @@ pub struct Frame {
     time_secs: f32,
     camera: CameraPose,
     previous_camera: CameraPose,
-    static_count: usize,
+    static_counts: StaticCounts,
     triangles: Vec<[Vec3; 3]>,
-    /// Of the triangles from `static_count` on.
+    /// Of the triangles that are not static.
     previous_moving: Vec<[Vec3; 3]>,
     triangle_object: Vec<u32>,
     objects: Vec<Object>,
@@ -171,7 +143,7 @@ impl Frame {
     /// How many triangles never move.
     #[must_use]
     pub fn static_count(&self) -> usize {
-        self.static_count
+        self.static_counts.triangles
     }
 
     /// Lights now.
@@ -292,7 +264,7 @@ impl Frame {
     pub fn positions(&self, triangle: u32, u: f32, v: f32) -> [Vec3; 2] {
         let weights = [1.0 - u - v, u, v];
         let position = mix(weights, self.triangles[triangle as usize]);
-        let previous = (triangle as usize).checked_sub(self.static_count);
+        let previous = (triangle as usize).checked_sub(self.static_counts.triangles);
         [position, previous.map_or(position, |moving| mix(weights, self.previous_moving[moving]))]
     }
 
@@ -418,7 +390,7 @@ impl Frame {
     }
 }
 
-/// Corners of a quad's two triangles, in its tile: the order in which [`quad_corners`] emits them.
+/// Corners of a particle quad's two triangles in its tile, lower left first: they run counter-clockwise seen from the camera.
 const QUAD_UVS: [[Vec2; 3]; 2] = [[Vec2::Y, Vec2::ONE, Vec2::X], [Vec2::Y, Vec2::X, Vec2::ZERO]];
 
 /// Vertex attributes at a point of a triangle.

@@ -19,8 +19,12 @@ pub use crate::{
     camera::{Camera, CameraPose, CameraRay, Lens},
     environment::Environment,
     error::SceneError,
-    frame::{Animator, FaceSide, Frame, FrameLight, Object, Surface},
+    frame::{
+        Animator, FaceSide, Frame, FrameLight, Look, MIRRORED, NO_TEXTURE, OPAQUE, Object, SINGLE_SIDED,
+        SLOT, StaticCounts, Surface, TINTED, TriangleOpacity,
+    },
     load::{LoadWarning, Loaded, open},
     model::SceneParts,
     scene::{CameraChoice, Scene},
+    texture::decode_tables,
 };

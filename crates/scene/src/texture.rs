@@ -21,8 +21,9 @@ pub(crate) struct Sampler {
     filter: Filter,
 }
 
-/// Linear values of all bytes, sRGB-encoded or not.
-fn decode_tables() -> &'static [[f32; 256]; 2] {
+/// Linear values of all bytes: first of those that are linear, then of those that are sRGB-encoded.
+#[must_use]
+pub fn decode_tables() -> &'static [[f32; 256]; 2] {
     static TABLES: OnceLock<[[f32; 256]; 2]> = OnceLock::new();
     TABLES.get_or_init(|| {
         let byte = |index: usize| index as f32 / 255.0;

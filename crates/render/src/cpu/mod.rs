@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use sheer_accel::{Hit, Ray};
 use sheer_core::{colour::Premul, coverage::Correction};
 use sheer_image::{Image, Pixel, Planes};
-use sheer_scene::{CameraRay, FaceSide};
+use sheer_scene::{CameraPose, CameraRay, FaceSide};
 
 use self::composite::{Nanoseconds, Workspace};
 use crate::{
@@ -23,7 +23,7 @@ mod gather;
 mod layer_filter;
 mod object_space;
 mod samples;
-mod shade;
+pub mod shade;
 
 /// What lies behind everything (`--background`).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -293,7 +293,7 @@ impl<'a> Tracer<'a> {
             shadows,
             pixel_at: [0; 2],
             correction,
-            depth_range: depth_range(stage),
+            depth_range: depth_range(stage.bvh().bounds(), stage.frame().camera()),
             workspace: Workspace::default(),
             byproducts: Byproducts::default(),
             layers: Vec::new(),
@@ -387,10 +387,10 @@ impl<'a> Tracer<'a> {
 /// A camera inside the scene sees things as near as you like; depths are told apart from this share of the furthest one on.
 const NEAREST_SHARE: f32 = 1e-3;
 
-/// The depths between which all surfaces lie, along the view axis; both above 0.
-fn depth_range(stage: &Stage) -> [f32; 2] {
-    let Some([low, high]) = stage.bvh().bounds() else { return [1.0, 2.0] };
-    let camera = stage.frame().camera();
+/// The depths between which all surfaces lie, along the view axis, from the lowest and highest corner of all triangles; both above 0.
+#[must_use]
+pub fn depth_range(bounds: Option<[Vec3; 2]>, camera: &CameraPose) -> [f32; 2] {
+    let Some([low, high]) = bounds else { return [1.0, 2.0] };
     let corner = |index: u32| {
         let bit = |axis: u32| index >> axis & 1 != 0;
         camera.view_depth(Vec3::select(glam::BVec3::new(bit(0), bit(1), bit(2)), high, low))

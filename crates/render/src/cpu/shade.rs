@@ -13,21 +13,23 @@ use super::{Counters, Tracer};
 use crate::shadow::{Receiver, toward};
 
 /// Reflectance of common dielectrics at normal incidence, index of refraction 1.5 (glTF 2.0, appendix B.2).
-const DIELECTRIC_F0: f32 = 0.04;
+pub const DIELECTRIC_F0: f32 = 0.04;
 /// Below this roughness a highlight of a light with no extent would be smaller than a pixel.
-const MIN_ROUGHNESS: f32 = 0.045;
+pub const MIN_ROUGHNESS: f32 = 0.045;
 /// How far light reaches around a puff of smoke: 0 a hard ball, 1 all the way around.
-const SMOKE_WRAP: f32 = 0.6;
+pub const SMOKE_WRAP: f32 = 0.6;
 /// Forward share of light that shines through a puff towards the viewer, and the width of that glow (Henyey-Greenstein 1941).
-const SMOKE_ANISOTROPY: f32 = 0.45;
+pub const SMOKE_ANISOTROPY: f32 = 0.45;
 /// What a fibre does with light: the share reflected at its surface (refractive index 1.55, Marschner et al. 2003), and of what enters the
 /// shares that shine through it and that are reflected at its far side. The rest has gone from hair to hair and comes from everywhere. By eye:
 /// more of the first two makes fur look wet, less makes it felt.
-const FIBRE_SURFACE: f32 = 0.0465;
-const FIBRE_THROUGH: f32 = 0.30;
-const FIBRE_BACK: f32 = 0.15;
+pub const FIBRE_SURFACE: f32 = 0.0465;
+/// See [`FIBRE_SURFACE`].
+pub const FIBRE_THROUGH: f32 = 0.30;
+/// See [`FIBRE_SURFACE`].
+pub const FIBRE_BACK: f32 = 0.15;
 /// How much the scales of a hair tilt its highlights towards the root, as the sine of an angle of about 3 degrees (Marschner et al. 2003).
-const FIBRE_TILT: f32 = 0.05;
+pub const FIBRE_TILT: f32 = 0.05;
 
 /// Light that arrives at a surface from one light.
 struct Incident {

@@ -18,10 +18,10 @@ pub const INFO: MethodInfo = MethodInfo {
 };
 
 /// Rows and columns of the map, and how many thresholds it has.
-pub(super) const SIDE: u32 = 5;
+pub const SIDE: u32 = 5;
 
 /// Columns after which both the map and the blue noise repeat.
-const PERIOD_PX: u32 = SIDE * BLUE_NOISE_SIDE;
+pub const PERIOD_PX: u32 = SIDE * BLUE_NOISE_SIDE;
 
 /// Dither Temporal AA.
 #[derive(Clone, Copy, Debug, PartialEq)]

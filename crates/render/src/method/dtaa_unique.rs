@@ -22,9 +22,10 @@ pub const INFO: MethodInfo = MethodInfo {
 };
 
 /// Ways to order five thresholds.
-const PERMUTATION_COUNT: usize = 120;
+pub const PERMUTATION_COUNT: usize = 120;
 
-const PERMUTATIONS: [[u8; dtaa::SIDE as usize]; PERMUTATION_COUNT] = permutations();
+/// All of them, one a row.
+pub const PERMUTATIONS: [[u8; dtaa::SIDE as usize]; PERMUTATION_COUNT] = permutations();
 
 /// DTAA with a permutation for each object.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -12,7 +12,7 @@
 use std::array;
 
 use sheer_core::{
-    hash::{pcg3d, pcg4d, unit_from_bits},
+    hash::{BELOW_ONE, pcg3d, pcg4d, unit_from_bits},
     parameter::{ParameterInfo, ParameterRange, Values},
 };
 
@@ -34,7 +34,7 @@ pub const INFO: MethodInfo = MethodInfo {
 };
 
 /// Octaves below and above an object unit within which cells are told apart.
-const MAX_LEVEL: f32 = 40.0;
+pub const MAX_LEVEL: f32 = 40.0;
 
 /// Hashed alpha testing.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -81,7 +81,7 @@ impl Threshold for Hashed {
     fn threshold<const N: usize>(&self, site: &Site<N>, _: &Tables) -> [f32; N] {
         array::from_fn(|lane| {
             let (blend, weight) = self.blend(site, lane);
-            uniform_from_blend(blend, weight).min(1.0_f32.next_down())
+            uniform_from_blend(blend, weight).min(BELOW_ONE)
         })
     }
 }

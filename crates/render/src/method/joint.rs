@@ -25,13 +25,13 @@ pub const INFO: MethodInfo = MethodInfo {
 };
 
 /// Period of map and blue noise together, pixels.
-const SHIFT_PX: u32 = 3 * 64;
+pub const SHIFT_PX: u32 = 3 * 64;
 /// Frames in which the walk over the map visits all nine strata.
-const CYCLE_FRAMES: u32 = 9;
+pub const CYCLE_FRAMES: u32 = 9;
 /// The golden ratio less 1 in 32 binary places: its multiples fill the circle evenly, however many there are.
-const GOLDEN_RATIO_BITS: u32 = 0x9e37_79b9;
+pub const GOLDEN_RATIO_BITS: u32 = 0x9e37_79b9;
 /// Binary places inside a stratum: with the stratum before the point they fill the 24 bits of an `f32`, so that no threshold rounds to 1.
-const OFFSET_BITS: u32 = 20;
+pub const OFFSET_BITS: u32 = 20;
 
 /// Joint dithering.
 #[derive(Clone, Copy, Debug, PartialEq)]

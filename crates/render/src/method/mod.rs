@@ -107,6 +107,7 @@ macro_rules! methods {
             hybrid: Hybrid,
             correction: Correction,
             alignment_px: u32,
+            values: Values,
             text: String,
         }
 
@@ -151,7 +152,7 @@ macro_rules! methods {
                     };
                     let alignment_px = alignment_px(&$module::INFO, &values);
                     let kind = Kind::$name($module::$name::new(&values));
-                    return Ok(Self { kind, hybrid, correction, alignment_px, text: text.to_owned() });
+                    return Ok(Self { kind, hybrid, correction, alignment_px, values, text: text.to_owned() });
                 })+
                 let known = METHODS.iter().map(|info| info.id).collect::<Vec<_>>().join(", ");
                 Err(MethodError::Unknown { name: name.to_owned(), known })
@@ -196,6 +197,15 @@ impl Method {
     #[must_use]
     pub fn parameters(&self) -> Vec<ParameterInfo> {
         self.family().parameters(self.info())
+    }
+
+    /// The value of one of its [`Self::parameters`], as it was given, or its default.
+    ///
+    /// # Panics
+    /// If it takes no such key: a slip of the program, not of its user.
+    #[must_use]
+    pub fn value(&self, key: &str) -> &str {
+        self.values.text(key)
     }
 
     /// Up to where it is exact.
@@ -264,6 +274,18 @@ mod tests {
         assert!(unknown.contains("baseline, roulette, std"), "{unknown}");
         let key = "roulette:hsah=pcg".parse::<Method>().unwrap_err().to_string();
         assert!(key.contains("hash (pcg|mcguire), hybrid (0.0..=1.0)"), "{key}");
+    }
+
+    #[test]
+    fn a_method_gives_back_the_values_of_all_its_keys() {
+        let method: Method = "std:rehash=9,layers=4".parse().unwrap();
+        assert_eq!(["rehash", "hash", "layers"].map(|key| method.value(key)), ["9", "pcg", "4"]);
+        for info in METHODS {
+            let method: Method = info.id.parse().unwrap();
+            for parameter in method.parameters() {
+                assert_eq!(method.value(parameter.key), parameter.default, "{}", info.id);
+            }
+        }
     }
 
     #[test]

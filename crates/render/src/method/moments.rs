@@ -92,7 +92,8 @@ impl Moments {
 
 /// How far 32-bit moments are moved, and the even moments (the odd ones are 0) that they are moved to: both as the paper's supplement gives
 /// them for an order.
-fn published_bias(order: usize) -> (f64, &'static [f64]) {
+#[must_use]
+pub fn published_bias(order: usize) -> (f64, &'static [f64]) {
     match order {
         4 => (5e-7, &[0.375, 0.375]),
         6 => (5e-6, &[0.48, 0.451, 0.45]),

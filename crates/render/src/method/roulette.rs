@@ -26,6 +26,11 @@ pub const INFO: MethodInfo = MethodInfo {
     alignment_px: 1,
 };
 
+/// Seeds that [`mcguire4`] tells apart, and the distance between two of them in frames: the sine wants small numbers.
+pub const MCGUIRE_SEEDS: u32 = 1024;
+/// See [`MCGUIRE_SEEDS`]; no whole number, so that no seed shows another one's frames.
+pub const MCGUIRE_SEED_STEP: f32 = 0.618;
+
 /// Russian roulette.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Roulette {
@@ -48,8 +53,9 @@ impl Threshold for Roulette {
         if self.mcguire {
             return std::array::from_fn(|lane| {
                 let [x, y, z] = [0, 1, 2].map(|axis| site.position[axis][lane]);
-                // The sum stands in for the frame index alone, so that seeds differ; the sine wants small numbers.
-                mcguire4(Vec4::new(x, y, z, site.frame as f32 + (site.seed % 1024) as f32 * 0.618))
+                // The sum stands in for the frame index alone, so that seeds differ.
+                let seed = (site.seed % MCGUIRE_SEEDS) as f32 * MCGUIRE_SEED_STEP;
+                mcguire4(Vec4::new(x, y, z, site.frame as f32 + seed))
             });
         }
         // Listing 3 hashes the position in the world. Its bits differ from device to device, so the position is given by integers here:

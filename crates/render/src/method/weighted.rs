@@ -28,7 +28,7 @@ pub const INFO: MethodInfo = MethodInfo {
 };
 
 /// Weights stay within these (Eq. 7 to 9), so that sums in 16-bit floats neither overflow nor vanish.
-const WEIGHTS: [f32; 2] = [1e-2, 3e3];
+pub const WEIGHTS: [f32; 2] = [1e-2, 3e3];
 
 /// Weighted blended transparency.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -54,7 +54,7 @@ impl Technique for DeepMap {
     }
 
     fn map(&self, view: &View<'_>) -> Box<dyn Map> {
-        let projection = Projection::new(view, self.resolution);
+        let projection = Projection::new(view.stage.frame(), view.light, self.resolution);
         // The depth of a vertex is never negative, so a negative one can head each function.
         let stream = record(view, &projection, |_, blockers, vertices| {
             for channel in 0..view.channels {

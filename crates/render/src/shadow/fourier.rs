@@ -68,7 +68,7 @@ impl Technique for Fourier {
     }
 
     fn map(&self, view: &View<'_>) -> Box<dyn Map> {
-        let projection = Projection::new(view, self.resolution);
+        let projection = Projection::new(view.stage.frame(), view.light, self.resolution);
         let count = self.coefficients();
         let texels = record(view, &projection, |texel, blockers, texels| {
             let [first, last] = blockers.range();

@@ -17,7 +17,7 @@ use crate::{cpu::Counters, pipeline::RenderError, stage::Stage};
 
 mod blockers;
 mod mask;
-mod projection;
+pub mod projection;
 pub mod visibility;
 
 pub use mask::Sampling;
@@ -183,6 +183,15 @@ pub struct Shadow {
     kind: Kind,
 }
 
+impl Shadow {
+    /// The value of one of its keys, as it would be typed; None if it has no such key.
+    #[must_use]
+    pub fn value(&self, key: &str) -> Option<String> {
+        let place = self.info().parameters.iter().position(|parameter| parameter.key == key)?;
+        self.technique().values().into_iter().nth(place)
+    }
+}
+
 impl Default for Shadow {
     fn default() -> Self {
         Self { kind: Kind::Deep(deep::Deep) }
@@ -290,6 +299,10 @@ mod tests {
             assert_eq!(shadow.info().id, info.id);
             let text = shadow.to_string();
             assert_eq!(text.parse(), Ok(shadow), "{text}");
+            for known in info.parameters {
+                assert_eq!(shadow.value(known.key).as_deref(), Some(known.default), "{text}");
+            }
+            assert_eq!(shadow.value("depth-of-field"), None);
             let defaults = info.parameters.iter().map(|known| format!("{}={}", known.key, known.default));
             let defaults = defaults.collect::<Vec<_>>().join(",");
             assert_eq!(

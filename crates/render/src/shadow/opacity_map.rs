@@ -63,7 +63,7 @@ impl Technique for OpacityMap {
     }
 
     fn map(&self, view: &View<'_>) -> Box<dyn Map> {
-        let projection = Projection::new(view, self.resolution);
+        let projection = Projection::new(view.stage.frame(), view.light, self.resolution);
         let layers = self.layers as usize;
         let texels = record(view, &projection, |_, blockers, texels| {
             let [first, last] = blockers.range();

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use sheer_accel::Ray;
 use sheer_scene::{Frame, FrameLight, model::LightKind};
 
-use super::{Receiver, View};
+use super::Receiver;
 use crate::stage::Stage;
 
 /// Spots that open wider than this from their axis get the six squares of a point: one square would spend its texels on its corners.
@@ -17,12 +17,14 @@ const WIDEST_SPOT_RAD: f32 = FRAC_PI_3;
 const TEXEL_STEP: f32 = 1.09;
 /// Neighbouring facets of what is meant as smooth turn by up to 11° (tangent 0.2) against each other, which the plane of the receiver does
 /// not know. Less brings dark facets back on spheres of 32 segments, more lets light under thin things.
-const FACET_SLOPE: f32 = 0.2;
+pub const FACET_SLOPE: f32 = 0.2;
 /// The plane of the receiver is followed up to this slope against the light (87°): beyond, where light but grazes it, the plane says nothing
 /// about a neighbouring texel.
-const STEEPEST: f32 = 20.0;
+pub const STEEPEST: f32 = 20.0;
 /// Share of a depth by which the two ways to it, from the camera and from the light, differ at most by rounding.
-const DEPTH_ROUNDING: f32 = 4e-6;
+pub const DEPTH_ROUNDING: f32 = 4e-6;
+/// From one random tap to the next: inverse of the plastic number and its square (Roberts 2018).
+pub const TAP_STEP: Vec2 = Vec2::new(0.754_877_7, 0.569_840_3);
 
 /// How many texels the map of a light has, `side` a side; a side of the six squares is half as long, which leaves them one and a half times
 /// the texels of the others.
@@ -41,25 +43,38 @@ fn shape(light: &FrameLight, side: u32) -> (usize, u32) {
 
 /// A light's map: one square of texels, or six.
 #[derive(Debug)]
-pub(super) struct Projection {
+pub struct Projection {
     faces: Vec<Face>,
     side: u32,
 }
 
-#[derive(Debug)]
-struct Face {
+/// One square of a map.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Face {
     /// Right, up, forward: `world_from_face`.
-    axes: Mat3,
-    lens: Lens,
+    pub axes: Mat3,
+    /// How it looks along them.
+    pub lens: Lens,
 }
 
-#[derive(Debug)]
-enum Lens {
+/// How a square of a map sees the scene.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Lens {
     /// From the plane at `low`, a corner of the map in the space of the face. The low sun sees a town as a strip: its texels need not be
     /// square.
-    Parallel { low: Vec3, texel: Vec2 },
+    Parallel {
+        /// In the space of the face.
+        low: Vec3,
+        /// Sides of a texel, world units.
+        texel: Vec2,
+    },
     /// From `eye`; half as wide as `half_width` at distance 1.
-    Central { eye: Vec3, half_width: f32 },
+    Central {
+        /// World.
+        eye: Vec3,
+        /// At distance 1.
+        half_width: f32,
+    },
 }
 
 /// Where a point lies in a map.
@@ -75,8 +90,9 @@ struct Place {
 }
 
 impl Projection {
-    pub(super) fn new(view: &View<'_>, side: u32) -> Self {
-        let light = view.light;
+    /// The map of a light of a frame, `side` texels a side; half as many for each of six squares.
+    #[must_use]
+    pub fn new(frame: &Frame, light: &FrameLight, side: u32) -> Self {
         let (face_count, side) = shape(light, side);
         let looking = |forward: Vec3| {
             // Level with the ground, which most scenes are wider along than high.
@@ -85,7 +101,7 @@ impl Projection {
         };
         let faces = match light.kind {
             LightKind::Directional => {
-                vec![Face::parallel(view.stage.frame(), looking(light.direction), side)]
+                vec![Face::parallel(frame, looking(light.direction), side)]
             }
             LightKind::Spot { outer_cone_rad, .. } if face_count == 1 => {
                 let lens = Lens::Central { eye: light.position, half_width: outer_cone_rad.tan() };
@@ -106,8 +122,15 @@ impl Projection {
     }
 
     /// Texels a row.
-    pub(super) fn side(&self) -> usize {
+    #[must_use]
+    pub fn side(&self) -> usize {
         self.side as usize
+    }
+
+    /// Its squares, whose texels follow one another row by row.
+    #[must_use]
+    pub fn faces(&self) -> &[Face] {
+        &self.faces
     }
 
     /// The ray from the light through the middle of a texel. Its direction has unit length.
@@ -205,11 +228,9 @@ impl Projection {
         start: Vec2,
         visibility: impl Fn(u32, usize, f32) -> Vec3,
     ) -> Vec3 {
-        /// Inverse of the plastic number and its square.
-        const STEP: Vec2 = Vec2::new(0.754_877_7, 0.569_840_3);
         let Some(place) = self.place(receiver.position) else { return Vec3::ONE };
         let sum = (0..taps).map(|tap| {
-            let unit = (start + STEP * tap as f32).fract();
+            let unit = (start + TAP_STEP * tap as f32).fract();
             let at = place.at + (unit - 0.5) * width.max(1) as f32;
             let (texel, depth) = self.tap(stage, receiver, &place, at);
             visibility(tap, texel, depth)

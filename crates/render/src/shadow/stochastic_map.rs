@@ -105,7 +105,7 @@ impl Technique for StochasticMap {
     }
 
     fn map(&self, view: &View<'_>) -> Box<dyn Map> {
-        let projection = Projection::new(view, self.resolution);
+        let projection = Projection::new(view.stage.frame(), view.light, self.resolution);
         let texels = record(view, &projection, |texel, blockers, texels| {
             self.draw(view, texel, blockers, texels);
         });

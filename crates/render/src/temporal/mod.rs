@@ -9,7 +9,7 @@ use sheer_image::{Image, ImageError, Planes};
 use crate::cpu::FrameSettings;
 
 mod align;
-mod taa;
+pub mod taa;
 
 /// How frames are added up (`-a`).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -81,9 +81,9 @@ fn radical_inverse(mut index: u32, base: u32) -> f32 {
     value
 }
 
-/// What has been added up.
+/// What has been added up: what [`crate::Pipeline`] keeps from frame to frame, and what other backends are measured against.
 #[derive(Clone, Debug)]
-pub(crate) struct History {
+pub struct History {
     antialiasing: Antialiasing,
     planes: Planes,
     count: u32,
@@ -91,20 +91,30 @@ pub(crate) struct History {
 
 impl History {
     /// Empty.
-    pub(crate) fn new(antialiasing: Antialiasing, [width, height]: [u32; 2]) -> Result<Self, ImageError> {
+    ///
+    /// # Errors
+    /// [`ImageError::Size`] if a side is zero or memory does not suffice.
+    pub fn new(antialiasing: Antialiasing, [width, height]: [u32; 2]) -> Result<Self, ImageError> {
         Ok(Self { antialiasing, planes: Planes::new(width, height)?, count: 0 })
     }
 
-    pub(crate) fn antialiasing(&self) -> Antialiasing {
+    /// How frames are added up.
+    #[must_use]
+    pub fn antialiasing(&self) -> Antialiasing {
         self.antialiasing
     }
 
-    pub(crate) fn planes(&self) -> &Planes {
+    /// The picture so far: colour added up, everything else of the last frame.
+    #[must_use]
+    pub fn planes(&self) -> &Planes {
         &self.planes
     }
 
     /// Takes in the next frame; `alignment_px` as in [`crate::contract::MethodInfo::alignment_px`].
-    pub(crate) fn add(
+    ///
+    /// # Errors
+    /// [`ImageError::Size`] if memory does not suffice.
+    pub fn add(
         &mut self,
         current: Planes,
         alignment_px: u32,

@@ -7,12 +7,16 @@ use sheer_image::{Image, ImageError, Planes};
 use super::align::Alignment;
 
 /// Weight of the new frame (STD Eq. 2).
-const NEW_FRAME_WEIGHT: f32 = 0.1;
+pub const NEW_FRAME_WEIGHT: f32 = 0.1;
 /// History is kept within this many standard deviations of the neighbourhood's mean.
-const CLIP_SIGMAS: f32 = 1.0;
-/// Radius of the neighbourhood, pixels: 3×3, and 7×7 where transparent fragments are (STD section 3.2).
-const OPAQUE_RADIUS: i64 = 1;
-const TRANSPARENT_RADIUS: i64 = 3;
+pub const CLIP_SIGMAS: f32 = 1.0;
+/// Radius of the neighbourhood, pixels: 3×3.
+pub const OPAQUE_RADIUS: i64 = 1;
+/// The same where transparent fragments are: 7×7 (STD section 3.2).
+pub const TRANSPARENT_RADIUS: i64 = 3;
+
+/// An even neighbourhood has no deviation to divide by: this one instead.
+pub const LEAST_DEVIATION: f32 = 1e-6;
 
 /// The new history: `current` blended with `history`, the result of `count` earlier frames.
 pub(super) fn resolve(
@@ -55,7 +59,7 @@ fn clip(old: Vec4, ycocg: &Image<Vec3A>, [x, y]: [u32; 2], radius: i64) -> Vec4 
     let deviation = (squares / count - mean * mean).max(Vec3A::ZERO).map(f32::sqrt) * CLIP_SIGMAS;
     let offset = ycocg_from_rgb(Vec3A::from(old.truncate())) - mean;
     // Length of the offset in standard deviations; an even neighbourhood leaves no room.
-    let reach = (offset / deviation.max(Vec3A::splat(1e-6))).length();
+    let reach = (offset / deviation.max(Vec3A::splat(LEAST_DEVIATION))).length();
     if reach <= 1.0 {
         return old;
     }

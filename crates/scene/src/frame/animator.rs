@@ -6,8 +6,8 @@ use glam::{Mat3, Vec3};
 use rayon::prelude::*;
 
 use super::{
-    Frame, FrameLight, Look, MIRRORED, OPAQUE, Object, QUAD_UVS, SINGLE_SIDED, TINTED, TriangleOpacity,
-    camera_pose, corner_uvs,
+    Frame, FrameLight, Look, MIRRORED, OPAQUE, Object, QUAD_UVS, SINGLE_SIDED, StaticCounts, TINTED,
+    TriangleOpacity, camera_pose, corner_uvs,
     deform::{deform, normal_matrix},
     gather,
     pose::{NodePose, instance_moves, moving_nodes},
@@ -25,8 +25,6 @@ pub struct Animator {
     camera: Camera,
     /// Instances that move, in the order of their triangles.
     moving: Vec<u32>,
-    static_objects: usize,
-    static_opacities: usize,
     first_particle_id: u32,
     frame: Frame,
 }
@@ -46,7 +44,7 @@ impl Animator {
             time_secs: 0.0,
             camera: pose,
             previous_camera: pose,
-            static_count: 0,
+            static_counts: StaticCounts::default(),
             triangles: Vec::new(),
             previous_moving: Vec::new(),
             triangle_object: Vec::new(),
@@ -56,16 +54,17 @@ impl Animator {
             deformed_normals: Vec::new(),
             lights: Vec::new(),
         };
-        let mut animator =
-            Self { camera, moving, static_objects: 0, static_opacities: 0, first_particle_id, frame };
+        let mut animator = Self { camera, moving, first_particle_id, frame };
         let pose = NodePose::at(scene.parts(), 0.0);
         for index in still {
             animator.emit_instance(&pose, index);
         }
         animator.frame.deformed_normals.clear();
-        animator.frame.static_count = animator.frame.triangles.len();
-        animator.static_objects = animator.frame.objects.len();
-        animator.static_opacities = animator.frame.opacities.len();
+        animator.frame.static_counts = StaticCounts {
+            triangles: animator.frame.triangles.len(),
+            objects: animator.frame.objects.len(),
+            opacities: animator.frame.opacities.len(),
+        };
         animator.advance(0.0, 0.0);
         animator
     }
@@ -90,13 +89,13 @@ impl Animator {
         }
         let mut previous = std::mem::take(&mut self.frame.previous_moving);
         previous.clear();
-        previous.extend_from_slice(&self.frame.triangles[self.frame.static_count..]);
+        previous.extend_from_slice(&self.frame.triangles[self.frame.static_count()..]);
         self.truncate_to_static();
         let pose = NodePose::at(scene.parts(), time_secs);
         self.emit_moving(&pose);
         if previous_secs == time_secs {
             previous.clear();
-            previous.extend_from_slice(&self.frame.triangles[self.frame.static_count..]);
+            previous.extend_from_slice(&self.frame.triangles[self.frame.static_count()..]);
         }
         self.frame.previous_moving = previous;
 
@@ -120,11 +119,12 @@ impl Animator {
 
     fn truncate_to_static(&mut self) {
         let frame = &mut self.frame;
-        frame.triangles.truncate(frame.static_count);
-        frame.triangle_object.truncate(frame.static_count);
-        frame.opacity_slot.truncate(frame.static_count);
-        frame.objects.truncate(self.static_objects);
-        frame.opacities.truncate(self.static_opacities);
+        let StaticCounts { triangles, objects, opacities } = frame.static_counts;
+        frame.triangles.truncate(triangles);
+        frame.triangle_object.truncate(triangles);
+        frame.opacity_slot.truncate(triangles);
+        frame.objects.truncate(objects);
+        frame.opacities.truncate(opacities);
         frame.deformed_normals.clear();
     }
 
