@@ -1,0 +1,17 @@
+// What a camera ray makes of a hit.
+#import shared/scene
+
+// Opacity for the camera; 0 where it is less than anyone would see.
+fn alpha_of(hit: Hit) -> f32 {
+    let alpha = opacity_for_camera(hit.triangle, hit.u, hit.v, hit.front);
+    return select(0.0, alpha, alpha >= MIN_ALPHA);
+}
+
+// Whether a hit lies behind another in the order of all hits: by depth, then triangle.
+fn is_behind(hit: Hit, other: Hit) -> bool {
+    return is_place_behind(hit.t, hit.triangle, other.t, other.triangle);
+}
+
+fn is_place_behind(t: f32, triangle: u32, other_t: f32, other_triangle: u32) -> bool {
+    return t > other_t || (t == other_t && triangle > other_triangle);
+}

@@ -1,0 +1,28 @@
+// What a frame costs (`Counters`): summed over a workgroup first, so that the frame's counters are not fought over.
+#import shared/pass
+
+struct Counted {
+    camera_rays: u32,
+    hits: u32,
+    shaded: u32,
+    merged: u32,
+}
+
+var<private> counted: Counted;
+var<private> counted_shadow_rays: u32;
+
+fn hand_in(counter: u32, count: u32) {
+    // All fragments of a picture may come here: what did not happen costs nothing.
+    if count != 0u {
+        atomicAdd(&counters[counter], count);
+    }
+}
+
+// Adds what this invocation has counted to the frame's counters.
+fn hand_in_counts() {
+    hand_in(0u, counted.camera_rays);
+    hand_in(1u, counted_shadow_rays);
+    hand_in(2u, counted.hits);
+    hand_in(3u, counted.shaded);
+    hand_in(4u, counted.merged);
+}

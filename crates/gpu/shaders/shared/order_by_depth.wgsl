@@ -1,0 +1,6 @@
+// Front to back.
+#import shared/drawn
+
+fn comes_before(fragment: Fragment, other: Fragment) -> bool {
+    return is_in_front(fragment.depth, fragment.hit.triangle, other.depth, other.hit.triangle);
+}

@@ -1,0 +1,75 @@
+// From what a ray has found to a pixel with depth, motion and ids: twins of `Tracer::pixel`, `seen` and `background`.
+#import shared/camera
+#import shared/counters
+#import shared/environment
+#import shared/found
+#import shared/pass
+#import shared/scene
+#import shared/shade
+#import shared/surface
+
+// What a camera ray that meets nothing sees, premultiplied.
+fn background(ray: CameraRay) -> vec4f {
+    switch frame.background_kind {
+        case BACKGROUND_ENVIRONMENT: {
+            return vec4f(environment_radiance(ray.direction, 0.0) * frame.exposure, 1.0);
+        }
+        case BACKGROUND_COLOUR: {
+            return vec4f(frame.background_rgb, 1.0);
+        }
+        default: {
+            return vec4f(0.0);
+        }
+    }
+}
+
+// A hit taken as opaque, or the background, premultiplied.
+fn seen(ray: CameraRay, found: bool, hit: Hit, pixel: vec2u) -> vec4f {
+    if found {
+        counted.shaded += 1u;
+        return vec4f(shade(ray, hit, pixel), 1.0);
+    }
+    return background(ray);
+}
+
+// What a stochastic ray shows, premultiplied.
+fn seen_by(ray: CameraRay, found: Found, pixel: vec2u) -> vec4f {
+    if found.is_tail {
+        return vec4f(found.tail_rgb, 1.0);
+    }
+    return seen(ray, found.found, found.hit, pixel);
+}
+
+// One premultiplied colour over another.
+fn over(front: vec4f, back: vec4f) -> vec4f {
+    return front + (1.0 - front.w) * back;
+}
+
+// Writes a pixel that shows a premultiplied colour and has the depth, motion and ids of a hit, or of the far distance without one.
+fn write_pixel(pixel: vec2u, colour: vec4f, ray: CameraRay, found: bool, hit: Hit, transparent: bool) {
+    var record: PixelRecord;
+    record.colour = colour;
+    record.transparent = select(0u, 1u, transparent);
+    if found {
+        let weights = vec3f(1.0 - hit.u - hit.v, hit.u, hit.v);
+        let position = position_at(hit.triangle, weights);
+        let now = project(frame.camera, position);
+        let before = project(frame.previous_camera, previous_position_at(hit.triangle, weights));
+        // From projected to projected, not from the sample: so a still surface has a motion of exactly zero.
+        if now.is_seen && before.is_seen {
+            record.motion = before.pixel - now.pixel;
+        }
+        record.depth = view_depth(position);
+        record.instance = objects[triangles[hit.triangle].x].id;
+        record.primitive = primitive(hit.triangle);
+    } else {
+        let before = project_direction(frame.previous_camera, ray.direction);
+        if before.is_seen {
+            record.motion = before.pixel - sample_of(pixel);
+        }
+        record.depth = NO_DEPTH;
+        record.instance = NONE;
+        record.primitive = NONE;
+    }
+    pixels[pixel.y * frame.size.x + pixel.x] = record;
+}

@@ -1,0 +1,131 @@
+// From world to the texels of a light's map: twin of crates/render/src/shadow/projection.rs.
+#import shared/frame
+#import shared/receiver
+
+// One square of a map: columns of world_from_face, and its lens.
+struct ShadowFace {
+    right: vec3f,
+    // Parallel: columns of a texel, world units. Central: half the width at distance 1.
+    width: f32,
+    up: vec3f,
+    // Parallel: rows of a texel, world units.
+    height: f32,
+    forward: vec3f,
+    is_central: u32,
+    // Parallel: a corner of the map, in the space of the face. Central: the eye, world.
+    origin: vec3f,
+    padding: u32,
+}
+
+struct ShadowLight {
+    first_face: u32,
+    face_count: u32,
+    // Texels a row of a face.
+    side: u32,
+    // Where its texels begin: in texels.
+    first_texel: u32,
+    // Of the frame, the run and the light: makes random numbers differ.
+    key: u32,
+}
+
+@group(1) @binding(2) var<storage, read> shadow_lights: array<ShadowLight>;
+@group(1) @binding(3) var<storage, read> shadow_faces: array<ShadowFace>;
+
+struct LightRay {
+    origin: vec3f,
+    // Unit length.
+    direction: vec3f,
+}
+
+// Where a point lies in a map.
+struct MapPlace {
+    // False outside the map, where nothing is lit or nothing is.
+    inside: bool,
+    // Among the light's.
+    face: u32,
+    // In texels from the corner.
+    at: vec2f,
+    // World units along the ray from the light.
+    depth: f32,
+    // Sides of a texel there, world units.
+    texel: vec2f,
+}
+
+// A texel of a light, and the depth that counts as the receiver's there.
+struct Tap {
+    texel: u32,
+    depth: f32,
+}
+
+// The ray from the light through a place of a face.
+fn light_ray(light: u32, face_of_light: u32, at: vec2f) -> LightRay {
+    let face = shadow_faces[shadow_lights[light].first_face + face_of_light];
+    if face.is_central == 0u {
+        let corner = face.origin + vec3f(at * vec2f(face.width, face.height), 0.0);
+        return LightRay(face.right * corner.x + face.up * corner.y + face.forward * corner.z, face.forward);
+    }
+    let beside = (at * (2.0 / f32(shadow_lights[light].side)) - 1.0) * face.width;
+    return LightRay(face.origin, normalize(face.right * beside.x + face.up * beside.y + face.forward));
+}
+
+// The face that a point lies in front of.
+fn face_towards(light: u32, point: vec3f) -> u32 {
+    var best = 0u;
+    var furthest = -FAR_AWAY;
+    for (var face = 0u; face < shadow_lights[light].face_count; face += 1u) {
+        let other = shadow_faces[shadow_lights[light].first_face + face];
+        let ahead = dot(other.forward, point - other.origin);
+        if ahead >= furthest {
+            best = face;
+            furthest = ahead;
+        }
+    }
+    return best;
+}
+
+fn in_face(face: ShadowFace, vector: vec3f) -> vec3f {
+    return vec3f(dot(face.right, vector), dot(face.up, vector), dot(face.forward, vector));
+}
+
+fn place_in_map(light: u32, point: vec3f) -> MapPlace {
+    let face_of_light = face_towards(light, point);
+    let face = shadow_faces[shadow_lights[light].first_face + face_of_light];
+    let side = f32(shadow_lights[light].side);
+    var place = MapPlace(false, face_of_light, vec2f(0.0), 0.0, vec2f(face.width, face.height));
+    if face.is_central == 0u {
+        let local = in_face(face, point) - face.origin;
+        place.at = local.xy / place.texel;
+        place.depth = local.z;
+    } else {
+        let local = in_face(face, point - face.origin);
+        // Behind the eye and beside it there is no place.
+        if local.z <= 0.0 {
+            return place;
+        }
+        place.at = 0.5 * side * (local.xy / (local.z * face.width) + 1.0);
+        place.depth = length(local);
+        place.texel = vec2f(2.0 * face.width * local.z / side);
+    }
+    place.inside = all(place.at >= vec2f(0.0)) && all(place.at <= vec2f(side)) && place.depth >= 0.0;
+    return place;
+}
+
+// The texel at a place, the nearest one of the face, and the depth that counts as the receiver's there: where its plane meets the texel's
+// ray, less a bias.
+fn tap(light: u32, receiver: Receiver, place: MapPlace, beside: vec2f) -> Tap {
+    let side = shadow_lights[light].side;
+    let at = clamp(floor(beside), vec2f(0.0), vec2f(f32(side) - 1.0));
+    let middle = at + 0.5;
+    let texel = (place.face * side + u32(at.y)) * side + u32(at.x);
+    let ray = light_ray(light, place.face, middle);
+    let offset = length((middle - place.at) * place.texel);
+    let cosine = dot(receiver.normal, ray.direction);
+    let limit = STEEPEST * offset;
+    var depth = place.depth;
+    if cosine != 0.0 {
+        let on_plane = dot(receiver.position - ray.origin, receiver.normal) / cosine;
+        depth = clamp(on_plane, place.depth - limit, place.depth + limit);
+    }
+    let facet = FACET_SLOPE * offset / max(cosine * cosine, 1.0 / STEEPEST);
+    return Tap(texel, depth - facet - lift(receiver) - DEPTH_ROUNDING * place.depth);
+}

@@ -1,0 +1,26 @@
+// Vector arithmetic as glam and Rust's `f32` have it.
+
+// Squares of lengths whose reciprocal is a finite normal number; WGSL knows no infinity to test for.
+const LEAST_SQUARE: f32 = 1.17549435e-38;
+const GREATEST_SQUARE: f32 = 3.4028234e38;
+
+fn normalize_or(vector: vec3f, otherwise: vec3f) -> vec3f {
+    let square = dot(vector, vector);
+    if square >= LEAST_SQUARE && square <= GREATEST_SQUARE {
+        return vector * (1.0 / sqrt(square));
+    }
+    return otherwise;
+}
+
+// 1 or -1, of zero by its sign: WGSL's `sign` has a third value.
+fn signum(value: f32) -> f32 {
+    return select(1.0, -1.0, (bitcast<u32>(value) >> 31u) != 0u);
+}
+
+fn lerp(first: vec3f, second: vec3f, weight: f32) -> vec3f {
+    return first * (1.0 - weight) + second * weight;
+}
+
+fn max_element(vector: vec3f) -> f32 {
+    return max(max(vector.x, vector.y), vector.z);
+}

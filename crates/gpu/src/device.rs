@@ -1,0 +1,370 @@
+//! Adapters and devices: which one is taken, what is asked of it, and what becomes of its errors.
+
+use std::{
+    convert::Infallible,
+    fmt,
+    str::FromStr,
+    sync::{Arc, Mutex, MutexGuard, PoisonError},
+};
+
+use wgpu::{DeviceType, ErrorFilter, Features, TextureFormat, TextureFormatFeatureFlags};
+
+use crate::GpuError;
+
+/// Which adapter is taken.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub enum AdapterChoice {
+    /// The fastest by its kind, then the one that can trace rays.
+    #[default]
+    Best,
+    /// The one at a place in [`adapters`], or the first whose name or driver contains a text, whatever its case.
+    Named(String),
+}
+
+impl FromStr for AdapterChoice {
+    type Err = Infallible;
+
+    fn from_str(text: &str) -> Result<Self, Infallible> {
+        Ok(Self::Named(text.to_owned()))
+    }
+}
+
+/// How rays are traced on a device.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Tracer {
+    /// By the device's own acceleration structures, from any shader.
+    Query,
+    /// Through the tree of [`sheer_accel`], by arithmetic alone: on devices that have no ray query.
+    Bvh,
+}
+
+/// An adapter and what it can run.
+#[derive(Clone, Debug)]
+pub struct AdapterReport {
+    /// As the driver gives it.
+    pub name: String,
+    /// Discrete, integrated, virtual, software or unknown.
+    pub kind: &'static str,
+    /// Driver and its version.
+    pub driver: String,
+    /// The interface it is reached through.
+    pub api: String,
+    /// Whether rays can be traced by the device itself.
+    pub ray_query: bool,
+    /// Whether passes can be timed by the device.
+    pub timestamps: bool,
+    /// Samples a pixel that colour and depth targets may have beside one.
+    pub msaa: Vec<u32>,
+    /// The largest buffer that a shader reads, bytes.
+    pub max_storage_bytes: u64,
+}
+
+impl AdapterReport {
+    fn new(adapter: &wgpu::Adapter) -> Self {
+        let info = adapter.get_info();
+        let features = adapter.features();
+        Self {
+            name: info.name,
+            kind: kind_word(info.device_type),
+            driver: format!("{} {}", info.driver, info.driver_info).trim().to_owned(),
+            api: info.backend.to_string(),
+            ray_query: features.contains(Features::EXPERIMENTAL_RAY_QUERY),
+            timestamps: features.contains(Features::TIMESTAMP_QUERY),
+            msaa: [4, 8].into_iter().filter(|&count| has_samples(adapter, count)).collect(),
+            max_storage_bytes: adapter.limits().max_storage_buffer_binding_size,
+        }
+    }
+}
+
+impl fmt::Display for AdapterReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} ({}, {})", self.name, self.api, self.driver)
+    }
+}
+
+fn kind_word(kind: DeviceType) -> &'static str {
+    match kind {
+        DeviceType::DiscreteGpu => "discrete",
+        DeviceType::IntegratedGpu => "integrated",
+        DeviceType::VirtualGpu => "virtual",
+        DeviceType::Cpu => "software",
+        DeviceType::Other => "unknown",
+    }
+}
+
+/// Whether the targets of stochastic transparency may have so many samples.
+fn has_samples(adapter: &wgpu::Adapter, count: u32) -> bool {
+    let flag = match count {
+        4 => TextureFormatFeatureFlags::MULTISAMPLE_X4,
+        _ => TextureFormatFeatureFlags::MULTISAMPLE_X8,
+    };
+    // Four samples are there everywhere; the driver's word counts for more.
+    let formats = [TextureFormat::Rgba16Float, TextureFormat::R16Float, TextureFormat::Depth32Float];
+    formats.into_iter().all(|format| adapter.get_texture_format_features(format).flags.contains(flag))
+}
+
+fn instance() -> wgpu::Instance {
+    wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle())
+}
+
+/// All adapters, the best first.
+fn sorted_adapters(instance: &wgpu::Instance) -> Vec<wgpu::Adapter> {
+    let mut adapters = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::all()));
+    let rank = |adapter: &wgpu::Adapter| {
+        let kind = match adapter.get_info().device_type {
+            DeviceType::DiscreteGpu => 0,
+            DeviceType::IntegratedGpu => 1,
+            DeviceType::VirtualGpu => 2,
+            DeviceType::Cpu => 3,
+            DeviceType::Other => 4,
+        };
+        (kind, !adapter.features().contains(Features::EXPERIMENTAL_RAY_QUERY))
+    };
+    adapters.sort_by_key(rank);
+    adapters
+}
+
+/// All adapters of this machine, the best first.
+#[must_use]
+pub fn adapters() -> Vec<AdapterReport> {
+    sorted_adapters(&instance()).iter().map(AdapterReport::new).collect()
+}
+
+/// The features that are used where an adapter has them; none is indispensable.
+///
+/// * `EXPERIMENTAL_RAY_QUERY`: [`Tracer::Query`]; without it our own tree is traversed.
+/// * `TIMESTAMP_QUERY`: times of passes by the device's clock; without it the frame as a whole is timed from outside.
+/// * `FLOAT32_BLENDABLE`: sums of moments by the blending units; without it the method is refused.
+/// * `TEXTURE_ADAPTER_SPECIFIC_FORMAT_FEATURES`: 8 samples a pixel; without it there are 4 and more passes.
+fn wanted_features() -> Features {
+    Features::EXPERIMENTAL_RAY_QUERY
+        | Features::TIMESTAMP_QUERY
+        | Features::FLOAT32_BLENDABLE
+        | Features::TEXTURE_ADAPTER_SPECIFIC_FORMAT_FEATURES
+}
+
+/// What has gone wrong on a device since it was last asked.
+#[derive(Debug, Default)]
+struct Faults {
+    lost: Option<String>,
+    errors: Vec<wgpu::Error>,
+}
+
+/// A device that is open.
+#[derive(Clone, Debug)]
+struct Open {
+    device: wgpu::Device,
+    queue: wgpu::Queue,
+    faults: Arc<Mutex<Faults>>,
+    generation: u32,
+}
+
+/// An adapter with its device. When the device is lost a new one takes its place: what was made with the old one has another
+/// [`Self::generation`] and has to be made again.
+#[derive(Debug)]
+pub struct Gpu {
+    choice: AdapterChoice,
+    tracer: Option<Tracer>,
+    report: AdapterReport,
+    open: Mutex<Open>,
+}
+
+/// Nothing is left half-done by a panic here.
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl Gpu {
+    /// Opens the device of an adapter.
+    ///
+    /// # Errors
+    /// There is no such adapter, or it opens no device.
+    pub fn new(choice: &AdapterChoice) -> Result<Arc<Self>, GpuError> {
+        Self::with_tracer(choice, None)
+    }
+
+    /// The same with a way of tracing rays instead of the best one.
+    ///
+    /// # Errors
+    /// As [`Self::new`], or the adapter has no ray query.
+    pub fn with_tracer(choice: &AdapterChoice, tracer: Option<Tracer>) -> Result<Arc<Self>, GpuError> {
+        let (report, open) = open(choice, tracer, 0)?;
+        Ok(Arc::new(Self { choice: choice.clone(), tracer, report, open: Mutex::new(open) }))
+    }
+
+    /// The device.
+    pub(crate) fn device(&self) -> wgpu::Device {
+        lock(&self.open).device.clone()
+    }
+
+    /// Its queue.
+    pub(crate) fn queue(&self) -> wgpu::Queue {
+        lock(&self.open).queue.clone()
+    }
+
+    /// How many devices were lost before this one.
+    #[must_use]
+    pub fn generation(&self) -> u32 {
+        lock(&self.open).generation
+    }
+
+    /// What it is and can run.
+    #[must_use]
+    pub fn report(&self) -> &AdapterReport {
+        &self.report
+    }
+
+    /// Name and driver, for reports.
+    #[must_use]
+    pub fn description(&self) -> String {
+        self.report.to_string()
+    }
+
+    /// How rays are traced.
+    #[must_use]
+    pub fn tracer(&self) -> Tracer {
+        let best = if self.report.ray_query { Tracer::Query } else { Tracer::Bvh };
+        self.tracer.unwrap_or(best)
+    }
+
+    /// The device's features.
+    pub(crate) fn features(&self) -> Features {
+        lock(&self.open).device.features()
+    }
+
+    /// Takes a new device in the place of a lost one. Nothing happens if that was done since `generation`.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub(crate) fn reopen(&self, generation: u32) -> Result<(), GpuError> {
+        let mut current = lock(&self.open);
+        if current.generation == generation {
+            *current = open(&self.choice, self.tracer, generation + 1)?.1;
+        }
+        Ok(())
+    }
+
+    /// Loses the device, as a driver that has crashed does: to try what comes of it.
+    pub fn lose_device(&self) {
+        self.device().destroy();
+    }
+
+    /// The first thing that went wrong since the last call; `what` was being done.
+    ///
+    /// # Errors
+    /// That thing.
+    pub(crate) fn check(&self, what: &str) -> Result<(), GpuError> {
+        let open = lock(&self.open);
+        let mut faults = lock(&open.faults);
+        let errors = std::mem::take(&mut faults.errors);
+        if let Some(reason) = &faults.lost {
+            return Err(GpuError::DeviceLost { reason: reason.clone() });
+        }
+        let Some(error) = errors.into_iter().next() else { return Ok(()) };
+        Err(match error {
+            wgpu::Error::OutOfMemory { .. } => GpuError::OutOfMemory { what: what.to_owned() },
+            wgpu::Error::Validation { description, .. } | wgpu::Error::Internal { description, .. } => {
+                GpuError::Refused { what: what.to_owned(), problem: description }
+            }
+        })
+    }
+
+    /// Compiles a linked shader.
+    ///
+    /// # Errors
+    /// [`GpuError::Shader`] with the place in the text and what is wrong there.
+    pub(crate) fn shader(&self, piece: &str, text: String) -> Result<wgpu::ShaderModule, GpuError> {
+        let device = self.device();
+        let scope = device.push_error_scope(ErrorFilter::Validation);
+        let source = wgpu::ShaderSource::Wgsl(text.into());
+        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor { label: Some(piece), source });
+        match pollster::block_on(scope.pop()) {
+            Some(error) => Err(GpuError::Shader {
+                piece: piece.to_owned(),
+                problem: error.to_string().trim().to_owned(),
+            }),
+            None => Ok(module),
+        }
+    }
+
+    /// Waits until everything that was submitted is done.
+    ///
+    /// # Errors
+    /// The device is lost.
+    pub(crate) fn wait(&self) -> Result<(), GpuError> {
+        let result = self.device().poll(wgpu::PollType::wait_indefinitely());
+        self.check("waiting for the device")?;
+        result.map(|_| ()).map_err(|error| GpuError::DeviceLost { reason: error.to_string() })
+    }
+}
+
+fn open(
+    choice: &AdapterChoice,
+    tracer: Option<Tracer>,
+    generation: u32,
+) -> Result<(AdapterReport, Open), GpuError> {
+    let adapter = choose(choice)?;
+    let report = AdapterReport::new(&adapter);
+    if tracer == Some(Tracer::Query) && !report.ray_query {
+        return Err(GpuError::Unsupported {
+            what: format!("{} has no ray query", report.name),
+            instead: "leave the way of tracing to it, or take --backend gpu:raster".to_owned(),
+        });
+    }
+    let mut features = adapter.features() & wanted_features();
+    if tracer == Some(Tracer::Bvh) {
+        features.remove(Features::EXPERIMENTAL_RAY_QUERY);
+    }
+    let descriptor = wgpu::DeviceDescriptor {
+        label: Some("sheer"),
+        required_features: features,
+        required_limits: adapter.limits(),
+        experimental_features: experimental(features),
+        memory_hints: wgpu::MemoryHints::Performance,
+        trace: wgpu::Trace::Off,
+    };
+    let (device, queue) = pollster::block_on(adapter.request_device(&descriptor))
+        .map_err(|error| GpuError::NoDevice { adapter: report.name.clone(), problem: error.to_string() })?;
+    let faults = Arc::new(Mutex::new(Faults::default()));
+    let record = Arc::clone(&faults);
+    device.on_uncaptured_error(Arc::new(move |error| lock(&record).errors.push(error)));
+    let record = Arc::clone(&faults);
+    device.set_device_lost_callback(move |_, reason| {
+        let reason = if reason.is_empty() { "the driver gives no reason".to_owned() } else { reason };
+        lock(&record).lost = Some(reason);
+    });
+    Ok((report, Open { device, queue, faults, generation }))
+}
+
+/// Ray query is marked experimental in wgpu as a whole.
+fn experimental(features: Features) -> wgpu::ExperimentalFeatures {
+    if !features.contains(Features::EXPERIMENTAL_RAY_QUERY) {
+        return wgpu::ExperimentalFeatures::disabled();
+    }
+    #[expect(unsafe_code, reason = "the only way to ray query in wgpu")]
+    // SAFETY: what may go wrong there is a shader that misuses a query; ours ask for candidates only after `proceed` was true and for the
+    // committed hit only after it was false, and all of them are traced in the tests.
+    unsafe {
+        wgpu::ExperimentalFeatures::enabled()
+    }
+}
+
+fn choose(choice: &AdapterChoice) -> Result<wgpu::Adapter, GpuError> {
+    let mut adapters = sorted_adapters(&instance());
+    if adapters.is_empty() {
+        return Err(GpuError::NoAdapter { problem: "no adapter was found".to_owned() });
+    }
+    let AdapterChoice::Named(wanted) = choice else { return Ok(adapters.swap_remove(0)) };
+    let reports: Vec<AdapterReport> = adapters.iter().map(AdapterReport::new).collect();
+    let holds = |text: &str| text.to_lowercase().contains(&wanted.to_lowercase());
+    let by_name = || reports.iter().position(|report| holds(&report.to_string()));
+    let at = wanted.parse().ok().filter(|&at: &usize| at < adapters.len()).or_else(by_name);
+    match at {
+        Some(at) => Ok(adapters.swap_remove(at)),
+        None => {
+            let known = reports.iter().enumerate().map(|(at, report)| format!("{at}: {report}"));
+            let known = known.collect::<Vec<_>>().join("; ");
+            Err(GpuError::NoAdapter { problem: format!("there is no adapter '{wanted}'; there are {known}") })
+        }
+    }
+}

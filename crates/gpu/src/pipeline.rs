@@ -1,0 +1,448 @@
+//! Frames one after the other on the device: method, shaders, accumulation.
+
+use std::{sync::Arc, time::Instant};
+
+use sheer_image::Planes;
+use sheer_render::{
+    Antialiasing, Clock, Counters, Method, Settings, StepTime, Timings, contract::Hybrid, method::stbn,
+    temporal::jitter,
+};
+use wgpu::{BufferUsages, util::DeviceExt};
+
+use crate::{
+    GpuError,
+    bindings::Layouts,
+    bvh,
+    device::{Gpu, Tracer},
+    frame::{FrameUniform, Shot},
+    pixels::{PIXEL_BYTES, read_planes},
+    raster::{self, RasterPath, stochastic::Sampling},
+    ray::{RayPath, Search},
+    shader::Linker,
+    shadow::{MapRays, MapSettings, ShadowMaps},
+    stage::Stage,
+    tables::Tables,
+    temporal::History,
+    timing::Timer,
+};
+
+/// How pixels come about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Path {
+    /// Each pixel follows its ray.
+    Ray,
+    /// All triangles are drawn.
+    Raster,
+}
+
+/// What the user says of it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum PathChoice {
+    /// Rays where the device traces them itself and the method goes by rays, else raster.
+    #[default]
+    Automatic,
+    /// Rays, through our own tree where the device has none.
+    Ray,
+    /// Raster.
+    Raster,
+}
+
+/// Counters of a frame, in the order of shaders/shared/counters.wgsl.
+const COUNTER_COUNT: usize = 5;
+const COUNTER_BYTES: u64 = 4 * COUNTER_COUNT as u64;
+/// Bytes of a surface of shaders/shared/found.wgsl.
+const SURFACE_BYTES: u64 = 16;
+/// Passes of a frame that are timed: those of 64 peeled layers, and what comes with them.
+const MOST_PASSES: u32 = 256;
+/// The step that frame times leave out (STD section 4).
+const RESOLVE_STEP: &str = "temporal";
+
+/// Groups 0 and 1, as passes bind them.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Groups<'a> {
+    pub(crate) scene: &'a wgpu::BindGroup,
+    pub(crate) pass: &'a wgpu::BindGroup,
+}
+
+/// A frame that is being recorded.
+pub(crate) struct Recording<'a> {
+    pub(crate) encoder: &'a mut wgpu::CommandEncoder,
+    pub(crate) timer: &'a mut Timer,
+    /// Pixels.
+    pub(crate) size: [u32; 2],
+    /// Of the scene.
+    pub(crate) triangle_count: u32,
+}
+
+impl Recording<'_> {
+    /// A compute pass whose time counts as that of step `name`.
+    pub(crate) fn compute_pass(&mut self, name: &'static str) -> wgpu::ComputePass<'_> {
+        let timestamp_writes = self.timer.compute_writes(name);
+        self.encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some(name), timestamp_writes })
+    }
+}
+
+/// What runs a method.
+#[derive(Debug)]
+enum Executor {
+    Ray(RayPath),
+    Raster(Box<RasterPath>),
+}
+
+/// Everything on the device that belongs to one pipeline.
+#[derive(Debug)]
+struct Resources {
+    executor: Executor,
+    layouts: Layouts,
+    frame: wgpu::Buffer,
+    tables: wgpu::Buffer,
+    pixels: wgpu::Buffer,
+    surfaces: wgpu::Buffer,
+    counters: wgpu::Buffer,
+    counters_read: wgpu::Buffer,
+    history: History,
+    timer: Timer,
+    shadows: Option<ShadowMaps>,
+    pass_group: wgpu::BindGroup,
+    /// With the version of the stage that it was made for.
+    scene_group: Option<(u64, wgpu::BindGroup)>,
+    generation: u32,
+}
+
+/// A method and its accumulated history.
+#[derive(Debug)]
+pub struct Pipeline {
+    gpu: Arc<Gpu>,
+    method: Method,
+    path: Path,
+    antialiasing: Antialiasing,
+    settings: Settings,
+    notes: Vec<String>,
+    resources: Resources,
+    steps: Vec<StepTime>,
+}
+
+/// Decides by what the method is and what the device can.
+fn choose_path(gpu: &Gpu, choice: PathChoice, method: &Method) -> Result<(Path, Vec<String>), GpuError> {
+    let goes_by_rays = Search::of(method).is_some();
+    match choice {
+        PathChoice::Raster => Ok((Path::Raster, Vec::new())),
+        PathChoice::Ray if goes_by_rays => Ok((Path::Ray, Vec::new())),
+        PathChoice::Ray => Err(GpuError::Unsupported {
+            what: format!(
+                "method {} wants its fragments in the order in which they are drawn",
+                method.info().id
+            ),
+            instead: "take --backend gpu or gpu:raster".to_owned(),
+        }),
+        PathChoice::Automatic if !goes_by_rays => Ok((Path::Raster, Vec::new())),
+        PathChoice::Automatic if gpu.tracer() == Tracer::Query => Ok((Path::Ray, Vec::new())),
+        PathChoice::Automatic => {
+            let name = &gpu.report().name;
+            let note = format!(
+                "{name} has no ray query: {method} is drawn by raster; --backend gpu:ray traces it all the same"
+            );
+            Ok((Path::Raster, vec![note]))
+        }
+    }
+}
+
+impl Pipeline {
+    /// Compiles what the method needs; nothing is rendered yet.
+    ///
+    /// # Errors
+    /// The path does not run the method or the shadows, the picture is too large, or the device refuses.
+    pub fn new(
+        gpu: &Arc<Gpu>,
+        choice: PathChoice,
+        method: Method,
+        antialiasing: Antialiasing,
+        settings: Settings,
+    ) -> Result<Self, GpuError> {
+        let (path, notes) = choose_path(gpu, choice, &method)?;
+        let resources = Resources::new(gpu, path, &method, antialiasing, &settings)?;
+        Ok(Self {
+            gpu: Arc::clone(gpu),
+            method,
+            path,
+            antialiasing,
+            settings,
+            notes,
+            resources,
+            steps: Vec::new(),
+        })
+    }
+
+    /// The clock to advance the stage by.
+    #[must_use]
+    pub fn clock(&self) -> Clock {
+        Clock::new(&self.settings, self.antialiasing)
+    }
+
+    /// The method.
+    #[must_use]
+    pub fn method(&self) -> &Method {
+        &self.method
+    }
+
+    /// How its pixels come about.
+    #[must_use]
+    pub fn path(&self) -> Path {
+        self.path
+    }
+
+    /// What its user should know.
+    #[must_use]
+    pub fn notes(&self) -> &[String] {
+        &self.notes
+    }
+
+    /// Where the time of the last frame went, by the device's clock; empty where it has none.
+    #[must_use]
+    pub fn steps(&self) -> &[StepTime] {
+        &self.steps
+    }
+
+    /// Renders frame `index`, counted from the run's first, of a stage that has been advanced to it, and adds it to the history. A device that
+    /// is lost on the way is replaced once; the history starts anew then.
+    ///
+    /// # Errors
+    /// The device refuses, has no memory left, or is lost twice.
+    pub fn render(&mut self, stage: &mut Stage, index: u32) -> Result<(Counters, Timings), GpuError> {
+        let generation = self.gpu.generation();
+        match self.try_render(stage, index) {
+            Err(GpuError::DeviceLost { .. }) => {
+                self.gpu.reopen(generation)?;
+                self.try_render(stage, index)
+            }
+            other => other,
+        }
+    }
+
+    fn try_render(&mut self, stage: &mut Stage, index: u32) -> Result<(Counters, Timings), GpuError> {
+        stage.renew()?;
+        if self.resources.generation != self.gpu.generation() {
+            self.resources =
+                Resources::new(&self.gpu, self.path, &self.method, self.antialiasing, &self.settings)?;
+        }
+        let frame = self.settings.first_frame + index;
+        let Settings { size, seed, background, .. } = self.settings;
+        let hybrid = Search::of(&self.method).map_or(Hybrid::NONE, |search| search.hybrid);
+        let jitter = jitter(self.antialiasing, frame);
+        let shot = Shot { size, jitter, index: frame, seed, background, hybrid };
+        let start = Instant::now();
+        let map_rays = self.resources.submit(&self.gpu, stage, &shot, self.method.alignment_px())?;
+        let mut counters = self.resources.read_counters(&self.gpu)?;
+        counters.shadow_rays += map_rays;
+        let wall_ms = start.elapsed().as_secs_f64() * 1e3;
+        self.steps = self.resources.timer.read(&self.gpu.device());
+        Ok((counters, timings(stage.build_ms(), wall_ms, &self.steps)))
+    }
+
+    /// The picture so far, read back: colour accumulated, everything else of the last frame.
+    ///
+    /// # Errors
+    /// The device is lost, or the machine has no memory for it.
+    pub fn planes(&self) -> Result<Planes, GpuError> {
+        let Resources { pixels, history, .. } = &self.resources;
+        read_planes(&self.gpu, pixels, history.colour(), self.settings.size)
+    }
+
+    /// Bytes a pixel that the method takes on the device beyond the pixels themselves, their history and opaque colour and depth.
+    #[must_use]
+    pub fn method_bytes_per_pixel(&self) -> f64 {
+        let [width, height] = self.settings.size.map(f64::from);
+        match &self.resources.executor {
+            Executor::Ray(_) => 0.0,
+            Executor::Raster(raster) => raster.method_bytes() as f64 / (width * height),
+        }
+    }
+}
+
+/// By the device's clock where it has one, else by ours, which counts everything as tracing.
+fn timings(build_ms: f64, wall_ms: f64, steps: &[StepTime]) -> Timings {
+    let sum = |temporal: bool| -> f64 {
+        steps.iter().filter(|step| (step.name == RESOLVE_STEP) == temporal).map(|step| step.ms).sum()
+    };
+    let trace_ms = if steps.is_empty() { wall_ms } else { sum(false) };
+    let shadow_ms = steps.iter().filter(|step| step.name == raster::SHADOW_STEP).map(|step| step.ms).sum();
+    Timings { build_ms, trace_ms, shadow_ms, resolve_ms: sum(true) }
+}
+
+impl Resources {
+    fn new(
+        gpu: &Arc<Gpu>,
+        path: Path,
+        method: &Method,
+        antialiasing: Antialiasing,
+        settings: &Settings,
+    ) -> Result<Self, GpuError> {
+        let generation = gpu.generation();
+        let device = gpu.device();
+        let maps = MapSettings::of(&settings.shadow)?;
+        let layouts = Layouts::new(&device, gpu.tracer(), maps.is_some());
+        let pixels = per_pixel(gpu, "pixels", settings.size, PIXEL_BYTES)?;
+        let usage = BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
+        let counters = buffer(&device, "counters", COUNTER_BYTES, usage);
+        let read = BufferUsages::MAP_READ | BufferUsages::COPY_DST;
+        let counters_read = buffer(&device, "counters read", COUNTER_BYTES, read);
+        let usage = BufferUsages::UNIFORM | BufferUsages::COPY_DST;
+        let frame = buffer(&device, "frame", size_of::<FrameUniform>() as u64, usage);
+        let table_words = Tables::new(
+            method.info().id == stbn::INFO.id,
+            Sampling::of(method, gpu.report())?.map_or([0; 2], Sampling::table_sizes),
+        );
+        let tables = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+            label: Some("tables"),
+            contents: bytemuck::cast_slice(&table_words.words),
+            usage: BufferUsages::STORAGE,
+        });
+        let surfaces = per_pixel(gpu, "surfaces", settings.size, SURFACE_BYTES)?;
+        let mut linker = base_linker(gpu.tracer()).constants(table_words.constants());
+        if let Some(maps) = maps {
+            linker = linker.alias("shadow", "shared/shadow_map").constants(maps.constants());
+        }
+        let shadows = maps.map(|maps| ShadowMaps::new(gpu, maps, &linker, &layouts)).transpose()?;
+        let pass_group = layouts.pass_group(&device, [&pixels, &counters, &surfaces], shadows.as_ref());
+        let executor = match (path, Search::of(method)) {
+            (Path::Ray, Some(search)) => Executor::Ray(RayPath::new(gpu, method, search, &linker, &layouts)?),
+            (_, search) => {
+                Executor::Raster(Box::new(RasterPath::new(gpu, method, search, settings, &linker, &layouts)?))
+            }
+        };
+        let history = History::new(gpu, antialiasing, settings.size)?;
+        let timer = Timer::new(&device, &gpu.queue(), MOST_PASSES);
+        gpu.check("what a method needs")?;
+        Ok(Self {
+            executor,
+            layouts,
+            frame,
+            tables,
+            pixels,
+            surfaces,
+            counters,
+            counters_read,
+            history,
+            timer,
+            shadows,
+            pass_group,
+            scene_group: None,
+            generation,
+        })
+    }
+
+    /// Records and submits a frame; how many rays make its shadow maps.
+    fn submit(&mut self, gpu: &Gpu, stage: &Stage, shot: &Shot, alignment_px: u32) -> Result<u64, GpuError> {
+        let (device, queue) = (gpu.device(), gpu.queue());
+        let uniform = FrameUniform::new(stage.frame(), stage.extent(), shot);
+        queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(&uniform));
+        let map_rays = match &mut self.shadows {
+            Some(shadows) => shadows.prepare(gpu, stage, shot)?,
+            None => MapRays::default(),
+        };
+        if map_rays.replaced {
+            self.pass_group = self.layouts.pass_group(
+                &device,
+                [&self.pixels, &self.counters, &self.surfaces],
+                self.shadows.as_ref(),
+            );
+        }
+        if self.scene_group.as_ref().is_none_or(|(version, _)| *version != stage.version()) {
+            let group = self.layouts.scene_group(&device, &self.frame, &self.tables, stage);
+            self.scene_group = Some((stage.version(), group));
+        }
+        let Some((_, scene)) = &self.scene_group else { unreachable!("made just now") };
+        let groups = Groups { scene, pass: &self.pass_group };
+        let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        encoder.clear_buffer(&self.counters, 0, None);
+        let mut recording = Recording {
+            encoder: &mut encoder,
+            timer: &mut self.timer,
+            size: shot.size,
+            triangle_count: uniform.triangle_count,
+        };
+        if let Some(shadows) = &self.shadows {
+            shadows.record(&mut recording, groups.scene);
+        }
+        match &mut self.executor {
+            Executor::Ray(path) => path.record(&mut recording, &groups),
+            Executor::Raster(path) => path.record(&mut recording, &groups)?,
+        }
+        self.history.record(
+            &device,
+            &queue,
+            &mut encoder,
+            &mut self.timer,
+            &self.pixels,
+            [alignment_px, shot.index, shot.seed],
+        );
+        encoder.copy_buffer_to_buffer(&self.counters, 0, &self.counters_read, 0, COUNTER_BYTES);
+        self.timer.resolve(&mut encoder);
+        queue.submit([encoder.finish()]);
+        gpu.check("a frame")?;
+        Ok(map_rays.count)
+    }
+
+    /// Waits for the frame and reads what it cost.
+    fn read_counters(&self, gpu: &Gpu) -> Result<Counters, GpuError> {
+        let slice = self.counters_read.slice(..);
+        slice.map_async(wgpu::MapMode::Read, |_| ());
+        gpu.wait()?;
+        let mut numbers = [0_u32; COUNTER_COUNT];
+        {
+            let lost = |error: wgpu::MapRangeError| GpuError::DeviceLost { reason: error.to_string() };
+            let view = slice.get_mapped_range().map_err(lost)?;
+            numbers.copy_from_slice(bytemuck::cast_slice(&view));
+        }
+        self.counters_read.unmap();
+        let [camera_rays, shadow_rays, hits, shaded, merged] = numbers.map(u64::from);
+        Ok(Counters { camera_rays, shadow_rays, hits, shaded, merged })
+    }
+}
+
+/// What all methods have in common.
+pub(crate) fn base_linker(tracer: Tracer) -> Linker {
+    let traverse = match tracer {
+        Tracer::Query => "shared/traverse_query",
+        Tracer::Bvh => "shared/traverse_bvh",
+    };
+    Linker::new()
+        .constants(bvh::constants())
+        .alias("traverse", traverse)
+        // What a camera ray goes through, which on the raster path is something else.
+        .alias("camera", traverse)
+        .alias("shadow", "shared/shadow_deep")
+}
+
+fn buffer(device: &wgpu::Device, label: &str, size: u64, usage: BufferUsages) -> wgpu::Buffer {
+    device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some(label),
+        size,
+        usage,
+        mapped_at_creation: false,
+    })
+}
+
+/// A buffer of so many bytes a pixel.
+fn per_pixel(
+    gpu: &Gpu,
+    label: &str,
+    [width, height]: [u32; 2],
+    bytes: u64,
+) -> Result<wgpu::Buffer, GpuError> {
+    let device = gpu.device();
+    let needed = u64::from(width) * u64::from(height) * bytes;
+    let limits = device.limits();
+    let limit = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
+    if needed > limit || needed == 0 {
+        return Err(GpuError::Limit {
+            what: format!("a picture of {width}x{height} pixels"),
+            needed,
+            limit,
+            instead: "take a size within that, and not zero".to_owned(),
+        });
+    }
+    let buffer = buffer(&device, label, needed, BufferUsages::STORAGE | BufferUsages::COPY_SRC);
+    gpu.check(label)?;
+    Ok(buffer)
+}

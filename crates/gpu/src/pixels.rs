@@ -1,0 +1,96 @@
+//! Pixels as passes write them, and as the rest of the program reads them.
+
+use bytemuck::{Pod, Zeroable};
+use rayon::prelude::*;
+use sheer_image::{Pixel, Planes};
+
+use crate::{GpuError, device::Gpu};
+
+/// What a frame knows of a pixel: shaders/shared/pixel.wgsl.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub(crate) struct PixelRecord {
+    /// Linear RGBA, premultiplied.
+    pub(crate) colour: [f32; 4],
+    /// Pixels, from this frame to the last: where the surface was, minus where it is.
+    pub(crate) motion: [f32; 2],
+    /// Along the view axis, scene units; without meaning where nothing is, since shaders have no word for infinity.
+    pub(crate) depth: f32,
+    /// 1 where a transparent fragment takes part.
+    pub(crate) transparent: u32,
+    /// [`Planes::NO_ID`] where nothing is.
+    pub(crate) instance: u32,
+    /// [`Planes::NO_ID`] where nothing is.
+    pub(crate) primitive: u32,
+    pub(crate) padding: [u32; 2],
+}
+
+/// Bytes of a pixel in a buffer.
+pub(crate) const PIXEL_BYTES: u64 = size_of::<PixelRecord>() as u64;
+/// Bytes of a pixel's history: linear RGBA, premultiplied.
+pub(crate) const COLOUR_BYTES: u64 = size_of::<[f32; 4]>() as u64;
+
+impl PixelRecord {
+    /// The pixel, with a colour in place of its own.
+    fn with_colour(self, colour: [f32; 4]) -> Pixel {
+        let is_empty = self.instance == Planes::NO_ID;
+        Pixel {
+            colour,
+            depth: if is_empty { f32::INFINITY } else { self.depth },
+            motion: self.motion,
+            instance: self.instance,
+            primitive: self.primitive,
+            transparent: self.transparent != 0,
+        }
+    }
+}
+
+/// Reads a picture back: everything of `pixels` but the colours, which are those of `colour`.
+///
+/// # Errors
+/// The device is lost or has no memory left, or the machine has none for the picture.
+pub(crate) fn read_planes(
+    gpu: &Gpu,
+    pixels: &wgpu::Buffer,
+    colour: &wgpu::Buffer,
+    [width, height]: [u32; 2],
+) -> Result<Planes, GpuError> {
+    /// Rows that a thread fills at a time.
+    const ROWS: u32 = 16;
+    let mut planes = Planes::new(width, height)?;
+    let count = u64::from(width) * u64::from(height);
+    let device = gpu.device();
+    let buffer = |label, size| {
+        device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some(label),
+            size,
+            usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        })
+    };
+    let pixels_read = buffer("pixels to read", count * PIXEL_BYTES);
+    let colour_read = buffer("colour to read", count * COLOUR_BYTES);
+    let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+    encoder.copy_buffer_to_buffer(pixels, 0, &pixels_read, 0, count * PIXEL_BYTES);
+    encoder.copy_buffer_to_buffer(colour, 0, &colour_read, 0, count * COLOUR_BYTES);
+    gpu.queue().submit([encoder.finish()]);
+    pixels_read.map_async(wgpu::MapMode::Read, .., |_| ());
+    colour_read.map_async(wgpu::MapMode::Read, .., |_| ());
+    gpu.wait()?;
+    let view = |buffer: &wgpu::Buffer| {
+        let lost = |error: wgpu::MapRangeError| GpuError::DeviceLost { reason: error.to_string() };
+        buffer.get_mapped_range(..).map_err(lost)
+    };
+    let (pixels, colour) = (view(&pixels_read)?, view(&colour_read)?);
+    let pixels: &[PixelRecord] = bytemuck::cast_slice(&pixels);
+    let colour: &[[f32; 4]] = bytemuck::cast_slice(&colour);
+    planes.par_bands_mut(ROWS).for_each(|mut band| {
+        for row in 0..band.height() {
+            for x in 0..width {
+                let at = (band.y + row) as usize * width as usize + x as usize;
+                band.set(x, row, pixels[at].with_colour(colour[at]));
+            }
+        }
+    });
+    Ok(planes)
+}

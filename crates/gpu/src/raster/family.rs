@@ -1,0 +1,220 @@
+//! Carries out the plan of a method: makes what it asks for and records its steps.
+
+use std::collections::BTreeMap;
+
+use wgpu::{
+    BindGroupLayoutEntry, BufferBindingType, BufferUsages, ShaderStages, TextureFormat, TextureUsages,
+};
+
+use super::{
+    DEPTH_FORMAT, Opaque, Parts,
+    behind::Behind,
+    draw::Draw,
+    plan::{Passes, Plan, Resource, Step, Work},
+    target::Target,
+};
+use crate::{
+    GpuError,
+    bindings::{buffer_entry, compute_pipeline, storage, texture_entry, texture_in, whole},
+    pipeline::{Groups, Recording},
+};
+
+/// A method's passes.
+#[derive(Debug)]
+pub(super) struct Family {
+    opaque: Opaque,
+    resources: Vec<Made>,
+    /// By entry point.
+    programs: BTreeMap<&'static str, Program>,
+    /// With their bindings of group 2.
+    steps: Vec<(Step, wgpu::BindGroup)>,
+    behind: Behind,
+}
+
+/// A resource on the device.
+#[derive(Debug)]
+enum Made {
+    Texture { target: Target, format: TextureFormat, clear: wgpu::Color },
+    Buffer(wgpu::Buffer),
+}
+
+/// An entry point, ready to run.
+#[derive(Debug)]
+struct Program {
+    /// Of group 2.
+    layout: wgpu::BindGroupLayout,
+    pipeline: Runnable,
+}
+
+#[derive(Debug)]
+enum Runnable {
+    Draw(wgpu::RenderPipeline),
+    Pixels(wgpu::ComputePipeline),
+}
+
+impl Made {
+    fn new(parts: &Parts<'_>, resource: Resource) -> Result<Self, GpuError> {
+        let drawn_to = TextureUsages::RENDER_ATTACHMENT;
+        Ok(match resource {
+            Resource::Target { label, format, clear } => {
+                let usage = drawn_to | TextureUsages::TEXTURE_BINDING;
+                Self::Texture { target: Target::new(parts, label, format, usage)?, format, clear }
+            }
+            Resource::Depth { label } => {
+                let target = Target::new(parts, label, DEPTH_FORMAT, drawn_to)?;
+                Self::Texture { target, format: DEPTH_FORMAT, clear: wgpu::Color::WHITE }
+            }
+            Resource::Storage { label, bytes_per_pixel } => {
+                Self::Buffer(storage(parts, label, bytes_per_pixel, 0, BufferUsages::COPY_DST)?)
+            }
+        })
+    }
+
+    fn bytes(&self) -> u64 {
+        match self {
+            Self::Texture { target, .. } => target.bytes(),
+            Self::Buffer(buffer) => buffer.size(),
+        }
+    }
+
+    fn layout_entry(&self, binding: u32, stage: ShaderStages) -> BindGroupLayoutEntry {
+        match self {
+            Self::Texture { format, .. } => {
+                let uint = format.sample_type(None, None) == Some(wgpu::TextureSampleType::Uint);
+                let floats = wgpu::TextureSampleType::Float { filterable: false };
+                let sample_type = if uint { wgpu::TextureSampleType::Uint } else { floats };
+                texture_entry(binding, stage, sample_type, false)
+            }
+            Self::Buffer(_) => buffer_entry(binding, stage, BufferBindingType::Storage { read_only: false }),
+        }
+    }
+
+    fn entry(&self, binding: u32) -> wgpu::BindGroupEntry<'_> {
+        match self {
+            Self::Texture { target, .. } => texture_in(binding, &target.view),
+            Self::Buffer(buffer) => whole(binding, buffer),
+        }
+    }
+
+    /// As a texture; a [`Plan`] draws to nothing else.
+    fn texture(&self) -> (&Target, TextureFormat, wgpu::Color) {
+        match self {
+            Self::Texture { target, format, clear } => (target, *format, *clear),
+            Self::Buffer(_) => unreachable!("plans draw to targets"),
+        }
+    }
+}
+
+impl Program {
+    fn new(
+        parts: &Parts<'_>,
+        module: &wgpu::ShaderModule,
+        step: &Step,
+        resources: &[Made],
+    ) -> Result<Self, GpuError> {
+        let device = parts.gpu.device();
+        let stage = match step.work {
+            Work::Draw { .. } => ShaderStages::FRAGMENT,
+            Work::Pixels => ShaderStages::COMPUTE,
+        };
+        let mut entries = vec![texture_entry(0, stage, wgpu::TextureSampleType::Uint, false)];
+        entries
+            .extend(step.bound.iter().map(|&(binding, place)| resources[place].layout_entry(binding, stage)));
+        let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some(step.entry_point),
+            entries: &entries,
+        });
+        let pipeline = match &step.work {
+            Work::Draw { targets, depth } => {
+                let targets: Vec<_> =
+                    targets.iter().map(|&(place, blend)| (resources[place].texture().1, blend)).collect();
+                let draw = Draw {
+                    label: step.name,
+                    module,
+                    vertex: "vs_transparent",
+                    fragment: step.entry_point,
+                    group: Some(&layout),
+                    targets: &targets,
+                    depth: depth.map(|_| wgpu::CompareFunction::Less),
+                    samples: 1,
+                };
+                Runnable::Draw(draw.build(parts))
+            }
+            Work::Pixels => {
+                let groups = [&parts.layouts.scene, &parts.layouts.pass, &layout];
+                Runnable::Pixels(compute_pipeline(&device, step.name, &groups, module, step.entry_point))
+            }
+        };
+        parts.gpu.check(step.entry_point)?;
+        Ok(Self { layout, pipeline })
+    }
+}
+
+impl Family {
+    /// `text` is the shader with the entry points that the passes name.
+    pub(super) fn new(parts: &Parts<'_>, passes: Passes, text: String) -> Result<Self, GpuError> {
+        let Passes { resources, steps, features, .. } = passes;
+        if !parts.gpu.features().contains(features) {
+            return Err(GpuError::Unsupported {
+                what: format!("{} lacks {features:?}, which the method needs", parts.gpu.report().name),
+                instead: "take another method, or --backend cpu".to_owned(),
+            });
+        }
+        let opaque = Opaque::new(parts)?;
+        let made = resources.into_iter().map(|resource| Made::new(parts, resource));
+        let resources = made.collect::<Result<Vec<_>, _>>()?;
+        let module = parts.gpu.shader(Plan::PIECE, text)?;
+        let mut programs = BTreeMap::new();
+        for step in &steps {
+            if !programs.contains_key(step.entry_point) {
+                programs.insert(step.entry_point, Program::new(parts, &module, step, &resources)?);
+            }
+        }
+        let with_group = |step: Step| {
+            let mut entries = vec![texture_in(0, &opaque.surface.view)];
+            entries.extend(step.bound.iter().map(|&(binding, place)| resources[place].entry(binding)));
+            let group = parts.gpu.device().create_bind_group(&wgpu::BindGroupDescriptor {
+                label: Some(step.name),
+                layout: &programs[step.entry_point].layout,
+                entries: &entries,
+            });
+            (step, group)
+        };
+        let steps = steps.into_iter().map(with_group).collect();
+        parts.gpu.check(Plan::PIECE)?;
+        let behind = Behind::new(parts, &opaque)?;
+        Ok(Self { opaque, resources, programs, steps, behind })
+    }
+
+    pub(super) fn record(&self, recording: &mut Recording<'_>, groups: &Groups<'_>) {
+        self.opaque.record(recording, groups);
+        for resource in &self.resources {
+            if let Made::Buffer(buffer) = resource {
+                recording.encoder.clear_buffer(buffer, 0, None);
+            }
+        }
+        for (step, group) in &self.steps {
+            match (&step.work, &self.programs[step.entry_point].pipeline) {
+                (Work::Draw { targets, depth }, Runnable::Draw(pipeline)) => {
+                    let attached = |&(place, _): &(usize, _)| {
+                        let (target, _, clear) = self.resources[place].texture();
+                        Some(target.cleared(clear))
+                    };
+                    let targets: Vec<_> = targets.iter().map(attached).collect();
+                    let depth = depth.map(|place| self.resources[place].texture().0.cleared_depth());
+                    recording.draw(step.name, pipeline, groups, Some(group), &targets, depth);
+                }
+                (Work::Pixels, Runnable::Pixels(pipeline)) => {
+                    recording.for_each_pixel(step.name, pipeline, groups, Some(group));
+                }
+                _ => unreachable!("a program is made for its step's work"),
+            }
+        }
+        self.behind.record(recording, groups);
+    }
+
+    /// Everything that the plan asks for.
+    pub(super) fn bytes(&self) -> u64 {
+        self.resources.iter().map(Made::bytes).sum()
+    }
+}

@@ -1,0 +1,173 @@
+//! Fragments in order through a list a pixel: the exact answer, selection, and the hybrid of STD section 3.5.
+
+use wgpu::{
+    BlendComponent, BlendFactor, BlendOperation, BlendState, BufferBindingType, BufferUsages, ShaderStages,
+};
+use wgpu::{TextureFormat, TextureSampleType, TextureUsages};
+
+use super::{Opaque, Parts, behind::Behind, draw::Draw, plan::Plan, target::Target};
+use crate::{
+    GpuError,
+    bindings::{buffer_entry, compute_pipeline, group, storage, texture_entry, texture_in, whole},
+    pipeline::{Groups, Recording},
+    ray::{Search, Shade},
+    shader::Linker,
+};
+
+/// Nodes that the pool holds for each pixel of the picture, on average: more than most scenes fill, 256 bytes.
+const NODES_PER_PIXEL: u64 = 32;
+/// Triangle and next node.
+const NODE_BYTES: u64 = 8;
+/// The first node; one more counts the nodes.
+const HEAD_BYTES: u64 = 4;
+
+/// What fragments without a place add up to: radiance times alpha, alpha; and their transmittance.
+pub(super) const TAIL_FORMATS: [TextureFormat; 2] = [TextureFormat::Rgba16Float, TextureFormat::R16Float];
+
+/// Sums.
+pub(super) const ADD: BlendState = same(BlendFactor::One, BlendFactor::One);
+/// Products of what was there with what comes.
+pub(super) const MULTIPLY: BlendState = same(BlendFactor::Zero, BlendFactor::Src);
+
+const fn same(src_factor: BlendFactor, dst_factor: BlendFactor) -> BlendState {
+    let component = BlendComponent { src_factor, dst_factor, operation: BlendOperation::Add };
+    BlendState { color: component, alpha: component }
+}
+
+/// Lists of all transparent fragments.
+#[derive(Debug)]
+pub(crate) struct Lists {
+    opaque: Opaque,
+    capture: wgpu::RenderPipeline,
+    resolve: wgpu::ComputePipeline,
+    heads: wgpu::Buffer,
+    nodes: wgpu::Buffer,
+    tail: [Target; 2],
+    capture_group: wgpu::BindGroup,
+    resolve_group: wgpu::BindGroup,
+    after: After,
+}
+
+/// What is left to do when the lists have been gone through.
+#[derive(Debug)]
+enum After {
+    /// The pixels are made.
+    Nothing,
+    /// Shade one fragment a pixel.
+    Shade(Shade),
+    /// Put what is opaque behind the light of the others.
+    Behind(Behind),
+}
+
+/// Nodes for so many pixels, as far as one binding goes.
+fn node_bytes_per_pixel(parts: &Parts<'_>) -> u64 {
+    let [width, height] = parts.size.map(u64::from);
+    let limits = parts.gpu.device().limits();
+    let most = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size) / (width * height).max(1);
+    (NODE_BYTES * NODES_PER_PIXEL).min(most / NODE_BYTES * NODE_BYTES)
+}
+
+impl Lists {
+    pub(super) fn new(parts: &Parts<'_>, search: Search) -> Result<Self, GpuError> {
+        let (piece, entry_point) = search.piece();
+        let text = Self::linker(parts.method_linker.clone(), search).link(piece)?;
+        let mut lists = Self::resolved_by(parts, [piece, entry_point], text)?;
+        if search.is_pure() {
+            lists.after = After::Shade(Shade::new(parts.gpu, parts.linker, parts.layouts)?);
+        }
+        Ok(lists)
+    }
+
+    /// What makes pixels of lists as of rays.
+    pub(crate) fn linker(linker: Linker, search: Search) -> Linker {
+        let linker = linker.alias("find", search.find()).constants(search.constants());
+        linker.alias("camera", "shared/traverse_list").alias("tail", "shared/listed")
+    }
+
+    /// With the shader of a [`Plan`] for what becomes of the lists.
+    pub(super) fn planned(parts: &Parts<'_>, text: String) -> Result<Self, GpuError> {
+        let mut lists = Self::resolved_by(parts, [Plan::PIECE, Plan::ENTRY_POINT], text)?;
+        lists.after = After::Behind(Behind::new(parts, &lists.opaque)?);
+        Ok(lists)
+    }
+
+    /// With a shader of the caller's for what becomes of the lists, by its piece and entry point.
+    fn resolved_by(
+        parts: &Parts<'_>,
+        [piece, entry_point]: [&str; 2],
+        text: String,
+    ) -> Result<Self, GpuError> {
+        let (gpu, device) = (parts.gpu, parts.gpu.device());
+        let opaque = Opaque::new(parts)?;
+        let heads = storage(parts, "list heads", HEAD_BYTES, HEAD_BYTES, BufferUsages::COPY_DST)?;
+        let nodes = storage(parts, "list nodes", node_bytes_per_pixel(parts), 0, BufferUsages::empty())?;
+        let usage = TextureUsages::RENDER_ATTACHMENT | TextureUsages::TEXTURE_BINDING;
+        let [sums, transmittance] = TAIL_FORMATS;
+        let tail = [
+            Target::new(parts, "tail sums", sums, usage)?,
+            Target::new(parts, "tail transmittance", transmittance, usage)?,
+        ];
+
+        let (fragment, compute) = (ShaderStages::FRAGMENT, ShaderStages::COMPUTE);
+        let read_write = BufferBindingType::Storage { read_only: false };
+        let read_only = BufferBindingType::Storage { read_only: true };
+        let buffers = [texture_in(0, &opaque.surface.view), whole(1, &heads), whole(2, &nodes)];
+        let layout = [
+            texture_entry(0, fragment, TextureSampleType::Uint, false),
+            buffer_entry(1, fragment, read_write),
+            buffer_entry(2, fragment, read_write),
+        ];
+        let (capture_layout, capture_group) = group(&device, "capture", &layout, &buffers);
+        let module = gpu.shader("pass/capture", parts.linker.link("pass/capture")?)?;
+        let capture = Draw {
+            label: "capture",
+            module: &module,
+            vertex: "vs_transparent",
+            fragment: "fs_capture",
+            group: Some(&capture_layout),
+            targets: &[(sums, Some(ADD)), (transmittance, Some(MULTIPLY))],
+            depth: None,
+            samples: 1,
+        };
+        let capture = capture.build(parts);
+        gpu.check("pass/capture")?;
+
+        let unfilterable = TextureSampleType::Float { filterable: false };
+        let layout = [
+            texture_entry(0, compute, TextureSampleType::Uint, false),
+            buffer_entry(1, compute, read_only),
+            buffer_entry(2, compute, read_only),
+            texture_entry(3, compute, unfilterable, false),
+            texture_entry(4, compute, unfilterable, false),
+        ];
+        let mut bindings = buffers.to_vec();
+        bindings.extend([texture_in(3, &tail[0].view), texture_in(4, &tail[1].view)]);
+        let (resolve_layout, resolve_group) = group(&device, "resolve", &layout, &bindings);
+        let module = gpu.shader(piece, text)?;
+        let groups = [&parts.layouts.scene, &parts.layouts.pass, &resolve_layout];
+        let resolve = compute_pipeline(&device, "resolve", &groups, &module, entry_point);
+        gpu.check(piece)?;
+        let after = After::Nothing;
+        Ok(Self { opaque, capture, resolve, heads, nodes, tail, capture_group, resolve_group, after })
+    }
+
+    pub(super) fn record(&self, recording: &mut Recording<'_>, groups: &Groups<'_>) {
+        self.opaque.record(recording, groups);
+        recording.encoder.clear_buffer(&self.heads, 0, None);
+        let [sums, transmittance] = &self.tail;
+        let targets =
+            [Some(sums.cleared(wgpu::Color::TRANSPARENT)), Some(transmittance.cleared(wgpu::Color::WHITE))];
+        recording.draw("capture", &self.capture, groups, Some(&self.capture_group), &targets, None);
+        recording.for_each_pixel("resolve", &self.resolve, groups, Some(&self.resolve_group));
+        match &self.after {
+            After::Nothing => {}
+            After::Shade(shade) => shade.record(recording, groups),
+            After::Behind(behind) => behind.record(recording, groups),
+        }
+    }
+
+    /// Heads, nodes and tail.
+    pub(super) fn bytes(&self) -> u64 {
+        self.heads.size() + self.nodes.size() + self.tail.iter().map(Target::bytes).sum::<u64>()
+    }
+}

@@ -1,0 +1,389 @@
+//! Stochastic transparency (ST) on targets of several samples a pixel.
+//!
+//! A round draws all transparent fragments twice: the first pass keeps the nearest depth that chance leaves in each sample, the second adds
+//! up the light of all fragments in the samples that do not hide them. Before the first round one pass multiplies up the total alpha.
+//! `estimator=basic` keeps colours in the first pass and needs no second.
+//!
+//! Samples are the hardware's, 4 or 8 a pixel. The method's become rounds of as many, with R split over the rounds: `samples=8` on a device
+//! that has 4 is the CPU's `samples=4,passes=2`. They lie where the hardware has them, spread over the pixel as `placement=box` wants; the
+//! CPU's default is the centre. The two differ only where a triangle covers a part of a pixel. What is opaque has one sample a pixel, in its
+//! centre, in any case.
+//!
+//! Deviations from the CPU: a fragment has one depth for all samples, and of two at exactly the same depth neither hides the other.
+
+use sheer_render::Method;
+use wgpu::{
+    BindGroupEntry, BindGroupLayoutEntry, BufferBindingType, BufferUsages, CompareFunction, ShaderStages,
+    TextureFormat, TextureSampleType, TextureUsages,
+};
+
+use super::{
+    DEPTH_FORMAT, Opaque, Parts,
+    behind::Behind,
+    draw::Draw,
+    list::{ADD, MULTIPLY},
+    target::Target,
+};
+use crate::{
+    GpuError,
+    bindings::{buffer_entry, compute_pipeline, group, storage, texture_entry, texture_in, whole},
+    device::AdapterReport,
+    pipeline::{Groups, Recording},
+};
+
+/// Its id.
+const METHOD: &str = "stochastic";
+/// Words a pixel of shaders/shared/told.wgsl.
+const TOLD_BYTES: u64 = 4 * 5;
+/// `Sums` of shaders/pass/stochastic_resolve.wgsl.
+const SUMS_BYTES: u64 = 32;
+/// Radiance times alpha and alpha, or a colour and a 1.
+const SUMS_FORMAT: TextureFormat = TextureFormat::Rgba16Float;
+/// The product of transmittances.
+const TRANSMITTANCE_FORMAT: TextureFormat = TextureFormat::R16Float;
+/// Masks that say which rounds take one more sample are one word.
+const MOST_ROUNDS: u32 = u32::BITS;
+
+/// How the method's samples are drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Sampling {
+    /// Samples of a pixel of the targets.
+    pub(crate) samples: u32,
+    /// How often these are drawn.
+    pub(crate) rounds: u32,
+    is_basic: bool,
+    is_corrected: bool,
+}
+
+fn unsupported<T>(what: String, instead: &str) -> Result<T, GpuError> {
+    Err(GpuError::Unsupported { what, instead: format!("{instead}, or --backend cpu") })
+}
+
+impl Sampling {
+    /// None for other methods.
+    ///
+    /// # Errors
+    /// The raster path cannot do what the method's parameters ask for.
+    pub(crate) fn of(method: &Method, report: &AdapterReport) -> Result<Option<Self>, GpuError> {
+        if method.info().id != METHOD {
+            return Ok(None);
+        }
+        let refused = [
+            ("masks", "laine-karras", "these masks need the order of drawing; take masks=stratified"),
+            ("placement", "gaussian", "the hardware's samples stay within the pixel; take placement=box"),
+            ("filter", "bilateral", "take filter=none"),
+        ];
+        for (key, word, instead) in refused {
+            if method.value(key) == word {
+                return unsupported(format!("{METHOD} with {key}={word} is not drawn by raster"), instead);
+            }
+        }
+        let count = |key| method.value(key).parse::<u32>().unwrap_or(0);
+        if method.value("adaptive").parse::<f32>().is_ok_and(|error| error > 0.0) {
+            return unsupported(format!("{METHOD} draws as many rounds in all pixels"), "take adaptive=0");
+        }
+        let (samples, passes) = (count("samples"), count("passes"));
+        let fits = |count: &u32| samples.is_multiple_of(*count) && samples > 0;
+        let Some(hardware) = report.msaa.iter().copied().filter(fits).max() else {
+            let known: Vec<_> = report.msaa.iter().map(u32::to_string).collect();
+            return unsupported(
+                format!(
+                    "{} has {} samples a pixel, {samples} are no multiple of that",
+                    report.name,
+                    known.join(" or ")
+                ),
+                "take samples=4, 8, 16, 32 or 64",
+            );
+        };
+        let rounds = samples / hardware * passes;
+        if rounds > MOST_ROUNDS {
+            return unsupported(
+                format!(
+                    "{samples} samples in {passes} passes are {rounds} rounds of {hardware}, more than {MOST_ROUNDS}"
+                ),
+                "take fewer of them and accumulate over frames",
+            );
+        }
+        let is_basic = method.value("estimator") == "basic";
+        let is_corrected = method.value("correct") == "on";
+        Ok(Some(Self { samples: hardware, rounds, is_basic, is_corrected }))
+    }
+
+    /// Winners alone have no pass after the first that could tell which of all fragments is the furthest: this one does both.
+    fn has_total_alpha(self) -> bool {
+        self.is_corrected || self.is_basic
+    }
+
+    /// Of which tables of masks are needed: of the samples, and of the rounds.
+    pub(crate) fn table_sizes(self) -> [u32; 2] {
+        [self.samples, if self.rounds > 1 { self.rounds } else { 0 }]
+    }
+
+    /// Emitted for the method's shaders.
+    pub(crate) fn constants(self) -> String {
+        let Self { rounds, is_corrected, .. } = self;
+        let has_total_alpha = self.has_total_alpha();
+        format!("const ROUND_COUNT: u32 = {rounds}u;\n")
+            + &format!(
+                "const HAS_TOTAL_ALPHA: bool = {has_total_alpha};\nconst IS_CORRECTED: bool = {is_corrected};\n"
+            )
+    }
+}
+
+/// The passes of the method.
+#[derive(Debug)]
+pub(super) struct Stochastic {
+    sampling: Sampling,
+    opaque: Opaque,
+    targets: Targets,
+    told: wgpu::Buffer,
+    ended_rounds: wgpu::Buffer,
+    total_alpha: wgpu::RenderPipeline,
+    /// Depths, or colours of winners.
+    keep: wgpu::RenderPipeline,
+    /// None of winners.
+    accumulate: Option<wgpu::RenderPipeline>,
+    end_round: wgpu::ComputePipeline,
+    composite: wgpu::ComputePipeline,
+    behind: Behind,
+    rounds: Vec<RoundGroups>,
+    resolve_group: wgpu::BindGroup,
+}
+
+/// Group 2 of a round's passes.
+#[derive(Debug)]
+struct RoundGroups {
+    keep: wgpu::BindGroup,
+    accumulate: wgpu::BindGroup,
+}
+
+/// Targets with several samples a pixel.
+#[derive(Debug)]
+struct Targets {
+    depth: Target,
+    sums: Target,
+    transmittance: Target,
+}
+
+impl Targets {
+    fn new(parts: &Parts<'_>, sampling: Sampling) -> Result<Self, GpuError> {
+        let target = |parts: &Parts<'_>, label, format| {
+            let usage = TextureUsages::RENDER_ATTACHMENT | TextureUsages::TEXTURE_BINDING;
+            Target::multisampled(parts, label, format, usage, sampling.samples)
+        };
+        // Shaders name it even where nothing is drawn to it.
+        let size = if sampling.has_total_alpha() { parts.size } else { [1, 1] };
+        let own = Parts { method_linker: parts.method_linker.clone(), size, ..*parts };
+        Ok(Self {
+            depth: target(parts, "stochastic depth", DEPTH_FORMAT)?,
+            sums: target(parts, "stochastic sums", SUMS_FORMAT)?,
+            transmittance: target(&own, "total transmittance", TRANSMITTANCE_FORMAT)?,
+        })
+    }
+}
+
+fn depth_entry(stage: ShaderStages) -> BindGroupLayoutEntry {
+    texture_entry(3, stage, TextureSampleType::Depth, true)
+}
+
+impl Stochastic {
+    pub(super) fn new(parts: &Parts<'_>, sampling: Sampling) -> Result<Self, GpuError> {
+        let device = parts.gpu.device();
+        let opaque = Opaque::new(parts)?;
+        let targets = Targets::new(parts, sampling)?;
+        let told = storage(parts, "told", TOLD_BYTES, 0, BufferUsages::COPY_DST)?;
+        let sums_bytes = if sampling.rounds > 1 { SUMS_BYTES } else { 0 };
+        let ended_rounds = storage(parts, "ended rounds", sums_bytes, SUMS_BYTES, BufferUsages::COPY_DST)?;
+
+        let round_numbers = RoundNumbers::new(parts, sampling.rounds);
+        let mut layouts = None;
+        let mut rounds = Vec::new();
+        for round in 0..sampling.rounds {
+            let shared = [texture_in(0, &opaque.surface.view), round_numbers.entry(round), whole(2, &told)];
+            let [keep_layout, accumulate_layout] = drawing_layouts();
+            let (keep_layout, keep) = group(&device, "stochastic", &keep_layout, &shared);
+            let with_depth: Vec<BindGroupEntry<'_>> =
+                shared.into_iter().chain([texture_in(3, &targets.depth.view)]).collect();
+            let (accumulate_layout, accumulate) =
+                group(&device, "accumulate", &accumulate_layout, &with_depth);
+            rounds.push(RoundGroups { keep, accumulate });
+            layouts.get_or_insert((keep_layout, accumulate_layout));
+        }
+        let Some((keep_layout, accumulate_layout)) = layouts else {
+            unreachable!("there is a round at least")
+        };
+        let [total_alpha, keep, accumulate] = drawing(parts, sampling, [&keep_layout, &accumulate_layout])?;
+        let (resolve_layout, resolve_group) = resolve_group(&device, &targets, [&told, &ended_rounds]);
+        let behind = Behind::new(parts, &opaque)?;
+        let [end_round, composite] = resolving(parts, sampling, &resolve_layout)?;
+        Ok(Self {
+            sampling,
+            opaque,
+            targets,
+            told,
+            ended_rounds,
+            total_alpha,
+            keep,
+            accumulate: (!sampling.is_basic).then_some(accumulate),
+            end_round,
+            composite,
+            behind,
+            rounds,
+            resolve_group,
+        })
+    }
+
+    pub(super) fn record(&self, recording: &mut Recording<'_>, groups: &Groups<'_>) {
+        let Targets { depth, sums, transmittance } = &self.targets;
+        self.opaque.record(recording, groups);
+        recording.encoder.clear_buffer(&self.told, 0, None);
+        recording.encoder.clear_buffer(&self.ended_rounds, 0, None);
+        if self.sampling.has_total_alpha() {
+            let targets = [Some(transmittance.cleared(wgpu::Color::WHITE))];
+            let own = Some(&self.rounds[0].keep);
+            recording.draw("total alpha", &self.total_alpha, groups, own, &targets, None);
+        }
+        for (index, round) in self.rounds.iter().enumerate() {
+            if index > 0 {
+                let own = Some(&self.resolve_group);
+                recording.for_each_pixel("composite", &self.end_round, groups, own);
+            }
+            let sums = [Some(sums.cleared(wgpu::Color::TRANSPARENT))];
+            let depth = Some(depth.cleared_depth());
+            let Some(accumulate) = &self.accumulate else {
+                recording.draw("stochastic colour", &self.keep, groups, Some(&round.keep), &sums, depth);
+                continue;
+            };
+            recording.draw("stochastic depth", &self.keep, groups, Some(&round.keep), &[], depth);
+            recording.draw("accumulate", accumulate, groups, Some(&round.accumulate), &sums, None);
+        }
+        recording.for_each_pixel("composite", &self.composite, groups, Some(&self.resolve_group));
+        self.behind.record(recording, groups);
+    }
+
+    /// Targets, what fragments tell, and the sums of rounds.
+    pub(super) fn bytes(&self) -> u64 {
+        let Targets { depth, sums, transmittance } = &self.targets;
+        let targets: u64 = [depth, sums, transmittance].into_iter().map(Target::bytes).sum();
+        targets + self.told.size() + self.ended_rounds.size()
+    }
+}
+
+/// Layouts of group 2: of the passes that keep fragments by chance, and of the one that reads what they kept.
+fn drawing_layouts() -> [Vec<BindGroupLayoutEntry>; 2] {
+    let stage = ShaderStages::FRAGMENT;
+    let keep = vec![
+        texture_entry(0, stage, TextureSampleType::Uint, false),
+        buffer_entry(1, stage, BufferBindingType::Uniform),
+        buffer_entry(2, stage, BufferBindingType::Storage { read_only: false }),
+    ];
+    let mut accumulate = keep.clone();
+    accumulate.push(depth_entry(stage));
+    [keep, accumulate]
+}
+
+/// Pipelines of the total alpha, of what is kept by chance, and of the accumulation.
+fn drawing(
+    parts: &Parts<'_>,
+    sampling: Sampling,
+    [keep, accumulate]: [&wgpu::BindGroupLayout; 2],
+) -> Result<[wgpu::RenderPipeline; 3], GpuError> {
+    let linker = parts.method_linker.clone().constants(sampling.constants());
+    let (masks, sums) = ("pass/stochastic", "pass/stochastic_accumulate");
+    let masks = parts.gpu.shader(masks, linker.link(masks)?)?;
+    let sums = parts.gpu.shader(sums, parts.linker.link(sums)?)?;
+    let draw = |label, module, fragment, group, targets, depth| Draw {
+        label,
+        module,
+        vertex: "vs_transparent",
+        fragment,
+        group: Some(group),
+        targets,
+        depth,
+        samples: sampling.samples,
+    };
+    let nearest = Some(CompareFunction::Less);
+    let winners = [(SUMS_FORMAT, None)];
+    let (entry, targets) =
+        if sampling.is_basic { ("fs_colour", &winners[..]) } else { ("fs_depth", &[][..]) };
+    let pipelines = [
+        draw("total alpha", &masks, "fs_total_alpha", keep, &[(TRANSMITTANCE_FORMAT, Some(MULTIPLY))], None),
+        draw("stochastic masks", &masks, entry, keep, targets, nearest),
+        draw("accumulate", &sums, "fs_accumulate", accumulate, &[(SUMS_FORMAT, Some(ADD))], None),
+    ];
+    let pipelines = pipelines.map(|draw| draw.build(parts));
+    parts.gpu.check("what stochastic transparency draws")?;
+    Ok(pipelines)
+}
+
+fn resolve_group(
+    device: &wgpu::Device,
+    targets: &Targets,
+    [told, ended_rounds]: [&wgpu::Buffer; 2],
+) -> (wgpu::BindGroupLayout, wgpu::BindGroup) {
+    let stage = ShaderStages::COMPUTE;
+    let samples =
+        |binding| texture_entry(binding, stage, TextureSampleType::Float { filterable: false }, true);
+    let buffer = |binding, read_only| buffer_entry(binding, stage, BufferBindingType::Storage { read_only });
+    let layout = [buffer(2, true), depth_entry(stage), samples(4), samples(5), buffer(6, false)];
+    let entries = [
+        whole(2, told),
+        texture_in(3, &targets.depth.view),
+        texture_in(4, &targets.sums.view),
+        texture_in(5, &targets.transmittance.view),
+        whole(6, ended_rounds),
+    ];
+    group(device, "stochastic resolve", &layout, &entries)
+}
+
+/// Pipelines of the end of a round and of the last pass.
+fn resolving(
+    parts: &Parts<'_>,
+    sampling: Sampling,
+    own: &wgpu::BindGroupLayout,
+) -> Result<[wgpu::ComputePipeline; 2], GpuError> {
+    let piece = "pass/stochastic_resolve";
+    // Without the method: so that its parameters make no other shader of it.
+    let linker = parts.linker.clone().constants(sampling.constants());
+    let module = parts.gpu.shader(piece, linker.link(piece)?)?;
+    let groups = [&parts.layouts.scene, &parts.layouts.pass, own];
+    let pipelines = ["cs_end_round", "cs_composite"]
+        .map(|entry| compute_pipeline(&parts.gpu.device(), "stochastic resolve", &groups, &module, entry));
+    parts.gpu.check(piece)?;
+    Ok(pipelines)
+}
+
+/// The numbers of all rounds, each where a uniform may begin.
+struct RoundNumbers {
+    buffer: wgpu::Buffer,
+    stride: u64,
+}
+
+impl RoundNumbers {
+    /// Bytes of a number, up to where uniforms end.
+    const BYTES: u64 = 16;
+
+    fn new(parts: &Parts<'_>, rounds: u32) -> Self {
+        let device = parts.gpu.device();
+        let stride = u64::from(device.limits().min_uniform_buffer_offset_alignment).max(Self::BYTES);
+        let buffer = device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("rounds"),
+            size: stride * u64::from(rounds),
+            usage: BufferUsages::UNIFORM | BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        for round in 0..rounds {
+            parts.gpu.queue().write_buffer(&buffer, stride * u64::from(round), bytemuck::bytes_of(&round));
+        }
+        Self { buffer, stride }
+    }
+
+    fn entry(&self, round: u32) -> BindGroupEntry<'_> {
+        let binding = wgpu::BufferBinding {
+            buffer: &self.buffer,
+            offset: self.stride * u64::from(round),
+            size: wgpu::BufferSize::new(Self::BYTES),
+        };
+        BindGroupEntry { binding: 1, resource: wgpu::BindingResource::Buffer(binding) }
+    }
+}

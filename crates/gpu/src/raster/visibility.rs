@@ -1,0 +1,86 @@
+//! One fragment a pixel through a visibility buffer (STD section 3.5).
+
+use wgpu::{BufferBindingType, BufferUsages, ShaderStages, TextureUsages};
+
+use super::{DEPTH_FORMAT, NO_SURFACE, Parts, SURFACE_FORMAT, draw::Draw, target::Target};
+use crate::{
+    GpuError,
+    bindings::{buffer_entry, compute_pipeline, group, storage, texture_entry, texture_in, whole},
+    pipeline::{Groups, Recording},
+    ray::Shade,
+};
+
+/// Of each pixel: distance of the nearest partly transparent fragment, and how many were tested.
+const TESTED_BYTES: u64 = 8;
+
+/// The passes of a threshold method.
+#[derive(Debug)]
+pub(super) struct Visibility {
+    draw: wgpu::RenderPipeline,
+    collect: wgpu::ComputePipeline,
+    shade: Shade,
+    surface: Target,
+    depth: Target,
+    tested: wgpu::Buffer,
+    draw_group: wgpu::BindGroup,
+    collect_group: wgpu::BindGroup,
+}
+
+impl Visibility {
+    pub(super) fn new(parts: &Parts<'_>) -> Result<Self, GpuError> {
+        let (gpu, device) = (parts.gpu, parts.gpu.device());
+        let fragment = ShaderStages::FRAGMENT;
+        let read_write = BufferBindingType::Storage { read_only: false };
+        let read_only = BufferBindingType::Storage { read_only: true };
+        let usage = TextureUsages::RENDER_ATTACHMENT | TextureUsages::TEXTURE_BINDING;
+        let surface = Target::new(parts, "visible surface", SURFACE_FORMAT, usage)?;
+        let depth = Target::new(parts, "visible depth", DEPTH_FORMAT, TextureUsages::RENDER_ATTACHMENT)?;
+        let tested = storage(parts, "tested fragments", TESTED_BYTES, 0, BufferUsages::COPY_DST)?;
+
+        let (draw_layout, draw_group) =
+            group(&device, "visibility", &[buffer_entry(0, fragment, read_write)], &[whole(0, &tested)]);
+        let module = gpu.shader("pass/visibility", parts.method_linker.link("pass/visibility")?)?;
+        let draw = Draw {
+            label: "visibility",
+            module: &module,
+            vertex: "vs_all",
+            fragment: "fs_visibility",
+            group: Some(&draw_layout),
+            targets: &[(SURFACE_FORMAT, None)],
+            depth: Some(wgpu::CompareFunction::Less),
+            samples: 1,
+        };
+        let draw = draw.build(parts);
+        gpu.check("pass/visibility")?;
+
+        let compute = ShaderStages::COMPUTE;
+        let uint = wgpu::TextureSampleType::Uint;
+        let (collect_layout, collect_group) = group(
+            &device,
+            "collect",
+            &[texture_entry(0, compute, uint, false), buffer_entry(1, compute, read_only)],
+            &[texture_in(0, &surface.view), whole(1, &tested)],
+        );
+        let linker = parts.method_linker.clone().alias("find", "pass/find_visible");
+        let module = gpu.shader("pass/find", linker.link("pass/find")?)?;
+        let groups = [&parts.layouts.scene, &parts.layouts.pass, &collect_layout];
+        let collect = compute_pipeline(&device, "collect", &groups, &module, "cs_find");
+        gpu.check("pass/find")?;
+        let shade = Shade::new(gpu, parts.linker, parts.layouts)?;
+        Ok(Self { draw, collect, shade, surface, depth, tested, draw_group, collect_group })
+    }
+
+    pub(super) fn record(&self, recording: &mut Recording<'_>, groups: &Groups<'_>) {
+        recording.encoder.clear_buffer(&self.tested, 0, None);
+        let targets = [Some(self.surface.cleared(NO_SURFACE))];
+        let depth = Some(self.depth.cleared_depth());
+        recording.draw("visibility", &self.draw, groups, Some(&self.draw_group), &targets, depth);
+        recording.for_each_pixel("collect", &self.collect, groups, Some(&self.collect_group));
+        self.shade.record(recording, groups);
+    }
+
+    /// The visibility buffer, its depth, and what was tested.
+    pub(super) fn bytes(&self) -> u64 {
+        self.surface.bytes() + self.depth.bytes() + self.tested.size()
+    }
+}

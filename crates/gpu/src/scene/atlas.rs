@@ -1,0 +1,155 @@
+//! All textures of a scene in the layers of one array texture.
+//!
+//! Shaders then reach every texture by arithmetic, without the binding arrays that many adapters lack. Texels are read one by one and
+//! weighted in the shader, so that neighbours need no gap between them.
+
+use std::{collections::HashMap, sync::Arc};
+
+use etagere::{AtlasAllocator, size2};
+use sheer_image::Image;
+use sheer_scene::model::Texture;
+
+use crate::GpuError;
+
+/// Least side of a layer: small textures share a few layers instead of taking one each.
+const LEAST_SIDE: u32 = 1024;
+
+/// Where a texture lies.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Place {
+    pub(super) layer: u32,
+    /// Of the upper left texel.
+    pub(super) origin: [u32; 2],
+}
+
+/// An arrangement of textures.
+#[derive(Debug)]
+pub(super) struct Atlas {
+    /// Width and height of the layers, texels; 1 if there is no texture.
+    pub(super) side: u32,
+    /// How many layers, at least 1.
+    pub(super) layers: u32,
+    /// One a texture; textures that share an image share a place.
+    pub(super) places: Vec<Place>,
+    /// One a different image: the index of the first texture that has it.
+    pub(super) stored: Vec<usize>,
+}
+
+impl Atlas {
+    /// Arranges textures.
+    ///
+    /// # Errors
+    /// [`GpuError::Limit`] names the texture that is too large or for which no layer is left.
+    pub(super) fn new(textures: &[Texture], limits: &wgpu::Limits) -> Result<Self, GpuError> {
+        let longest = |texture: &Texture| texture.image.width().max(texture.image.height());
+        let most = limits.max_texture_dimension_2d;
+        for texture in textures {
+            if longest(texture) > most {
+                return Err(GpuError::Limit {
+                    what: format!("the longer side of texture '{}', in texels,", texture.name),
+                    needed: longest(texture).into(),
+                    limit: most.into(),
+                    instead: "scale the texture down or take --backend cpu".to_owned(),
+                });
+            }
+        }
+        let Some(largest) = textures.iter().map(longest).max() else {
+            return Ok(Self { side: 1, layers: 1, places: Vec::new(), stored: Vec::new() });
+        };
+        let side = largest.max(LEAST_SIDE).next_power_of_two().min(most);
+
+        // Tall ones first, which packs shelves best; equals in the order of the scene, so that the arrangement is always the same.
+        let mut first_with: HashMap<*const Image<[u8; 4]>, usize> = HashMap::new();
+        let owners: Vec<usize> = (0..textures.len())
+            .map(|index| *first_with.entry(Arc::as_ptr(&textures[index].image)).or_insert(index))
+            .collect();
+        let mut stored: Vec<usize> = (0..textures.len()).filter(|&index| owners[index] == index).collect();
+        stored.sort_by_key(|&index| {
+            let (width, height) = textures[index].image.size();
+            std::cmp::Reverse((height, width))
+        });
+
+        let mut layers: Vec<AtlasAllocator> = Vec::new();
+        let mut places = vec![Place::default(); textures.len()];
+        for &index in &stored {
+            places[index] = place(&mut layers, side, textures[index].image.size());
+            if layers.len() as u64 > u64::from(limits.max_texture_array_layers) {
+                return Err(GpuError::Limit {
+                    what: format!("the texture atlas, in layers up to texture '{}',", textures[index].name),
+                    needed: layers.len() as u64,
+                    limit: limits.max_texture_array_layers.into(),
+                    instead: "take smaller or fewer textures, or --backend cpu".to_owned(),
+                });
+            }
+        }
+        for (index, &owner) in owners.iter().enumerate() {
+            places[index] = places[owner];
+        }
+        Ok(Self { side, layers: layers.len() as u32, places, stored })
+    }
+
+    /// Makes the texture and sends every image.
+    pub(super) fn upload(
+        &self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        textures: &[Texture],
+    ) -> wgpu::Texture {
+        let atlas = device.create_texture(&wgpu::TextureDescriptor {
+            label: Some("scene atlas"),
+            size: extent(self.side, self.side, self.layers),
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: wgpu::TextureFormat::Rgba8Uint,
+            usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+            view_formats: &[],
+        });
+        for &index in &self.stored {
+            let (width, height) = textures[index].image.size();
+            let Place { layer, origin: [x, y] } = self.places[index];
+            queue.write_texture(
+                wgpu::TexelCopyTextureInfo {
+                    texture: &atlas,
+                    mip_level: 0,
+                    origin: wgpu::Origin3d { x, y, z: layer },
+                    aspect: wgpu::TextureAspect::All,
+                },
+                textures[index].image.as_slice().as_flattened(),
+                wgpu::TexelCopyBufferLayout {
+                    offset: 0,
+                    bytes_per_row: Some(4 * width),
+                    rows_per_image: Some(height),
+                },
+                extent(width, height, 1),
+            );
+        }
+        atlas
+    }
+
+    /// Bytes of the texture.
+    pub(super) fn bytes(&self) -> u64 {
+        4 * u64::from(self.side) * u64::from(self.side) * u64::from(self.layers)
+    }
+}
+
+fn extent(width: u32, height: u32, depth_or_array_layers: u32) -> wgpu::Extent3d {
+    wgpu::Extent3d { width, height, depth_or_array_layers }
+}
+
+/// A place for an image that fits into an empty layer, in the first layer with room or in a new one.
+fn place(layers: &mut Vec<AtlasAllocator>, side: u32, (width, height): (u32, u32)) -> Place {
+    let size = size2(width as i32, height as i32);
+    let found = layers
+        .iter_mut()
+        .enumerate()
+        .find_map(|(layer, allocator)| allocator.allocate(size).map(|allocation| (layer, allocation)));
+    let (layer, allocation) = found.unwrap_or_else(|| {
+        let mut allocator = AtlasAllocator::new(size2(side as i32, side as i32));
+        let allocation = allocator.allocate(size).expect("no image is larger than a layer");
+        layers.push(allocator);
+        (layers.len() - 1, allocation)
+    });
+    let corner = allocation.rectangle.min;
+    Place { layer: layer as u32, origin: [corner.x as u32, corner.y as u32] }
+}

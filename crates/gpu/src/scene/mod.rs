@@ -1,0 +1,203 @@
+//! A scene on the GPU: what never moves is sent once, what moves every frame.
+
+use std::iter;
+
+use glam::Vec3;
+use sheer_scene::Frame;
+
+use self::{
+    atlas::Atlas,
+    buffer::{Buffer, STORAGE},
+    records::{Light, Lobe, Material, MeshPlace, Object, Opacity, Texture},
+};
+use crate::GpuError;
+
+mod atlas;
+mod buffer;
+mod records;
+#[cfg(test)]
+mod tests;
+
+pub use records::{CONSTANTS, NONE};
+
+/// Binding of the first list; the others follow in the order of [`SceneBuffers::entries`].
+const FIRST_BINDING: u32 = 1;
+/// How many bindings there are.
+const BINDINGS: usize = 13;
+/// Which of them, from the first on, is the atlas.
+const ATLAS: usize = 10;
+
+/// The lists of `shaders/shared/scene.wgsl` (group 0, bindings 1 to 13), filled from a frame.
+#[derive(Debug)]
+pub struct SceneBuffers {
+    positions: Buffer,
+    previous_positions: Buffer,
+    triangles: Buffer,
+    objects: Buffer,
+    opacities: Buffer,
+    attributes: Buffer,
+    indices: Buffer,
+    deformed_normals: Buffer,
+    materials: Buffer,
+    textures: Buffer,
+    atlas: wgpu::TextureView,
+    atlas_bytes: u64,
+    lights: Buffer,
+    lobes: Buffer,
+    /// Where each mesh lies in `attributes` and `indices`.
+    meshes: Vec<MeshPlace>,
+    /// What `triangles` and `objects` hold: the frame has it in another form.
+    triangle_words: Vec<[u32; 2]>,
+    object_records: Vec<Object>,
+}
+
+impl SceneBuffers {
+    /// Makes the buffers and the atlas and sends a frame.
+    ///
+    /// # Errors
+    /// [`GpuError::Limit`] names the first list that the device does not allow.
+    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, frame: &Frame) -> Result<Self, GpuError> {
+        let parts = frame.scene().parts();
+        let (mut attributes, mut indices) = (Vec::new(), Vec::new());
+        let meshes =
+            parts.meshes.iter().map(|mesh| MeshPlace::append(mesh, &mut attributes, &mut indices)).collect();
+        let atlas = Atlas::new(&parts.textures, &device.limits())?;
+        let materials: Vec<_> = parts.materials.iter().map(Material::new).collect();
+        let textures: Vec<_> = iter::zip(&parts.textures, &atlas.places)
+            .map(|(texture, &place)| Texture::new(texture, place))
+            .collect();
+        let lobes: Vec<_> = parts.environment.lobes.iter().map(Lobe::new).collect();
+
+        let mut geometry = STORAGE | wgpu::BufferUsages::VERTEX;
+        if device.features().contains(wgpu::Features::EXPERIMENTAL_RAY_QUERY) {
+            geometry |= wgpu::BufferUsages::BLAS_INPUT;
+        }
+        let view = wgpu::TextureViewDescriptor {
+            label: Some("scene atlas"),
+            dimension: Some(wgpu::TextureViewDimension::D2Array),
+            ..wgpu::TextureViewDescriptor::default()
+        };
+        let mut buffers = Self {
+            positions: Buffer::new::<[Vec3; 3]>(device, "triangle positions", geometry),
+            previous_positions: Buffer::new::<[Vec3; 3]>(device, "previous positions", STORAGE),
+            triangles: Buffer::new::<[u32; 2]>(device, "triangle words", STORAGE),
+            objects: Buffer::new::<Object>(device, "objects", STORAGE),
+            opacities: Buffer::new::<Opacity>(device, "opacities", STORAGE),
+            attributes: Buffer::filled(device, queue, "vertex attributes", &attributes)?,
+            indices: Buffer::filled(device, queue, "vertex indices", &indices)?,
+            deformed_normals: Buffer::new::<Vec3>(device, "deformed normals", STORAGE),
+            materials: Buffer::filled(device, queue, "materials", &materials)?,
+            textures: Buffer::filled(device, queue, "textures", &textures)?,
+            atlas: atlas.upload(device, queue, &parts.textures).create_view(&view),
+            atlas_bytes: atlas.bytes(),
+            lights: Buffer::new::<Light>(device, "lights", STORAGE),
+            lobes: Buffer::filled(device, queue, "environment lobes", &lobes)?,
+            meshes,
+            triangle_words: Vec::new(),
+            object_records: Vec::new(),
+        };
+        buffers.update(device, queue, frame)?;
+        Ok(buffers)
+    }
+
+    /// Sends what has moved since the last frame of the same animator. Returns whether a buffer had to grow: then bind groups that hold it
+    /// must be made anew.
+    ///
+    /// # Errors
+    /// [`GpuError::Limit`] names the first list that the device does not allow.
+    pub fn update(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        frame: &Frame,
+    ) -> Result<bool, GpuError> {
+        let still = frame.static_counts();
+        self.triangle_words.truncate(still.triangles);
+        let first = self.triangle_words.len();
+        let words = iter::zip(&frame.triangle_objects()[first..], &frame.opacity_slots()[first..]);
+        self.triangle_words.extend(words.map(|(&object, &slot)| [object, slot]));
+        self.object_records.truncate(still.objects);
+        let first = self.object_records.len();
+        let objects = frame.objects()[first..].iter().map(|object| Object::new(object, &self.meshes));
+        self.object_records.extend(objects);
+        let lights: Vec<_> = frame.lights().iter().map(Light::new).collect();
+
+        let grown = [
+            self.positions.send(device, queue, still.triangles, frame.triangles())?,
+            self.previous_positions.send(device, queue, 0, frame.previous_moving())?,
+            self.triangles.send(device, queue, still.triangles, &self.triangle_words)?,
+            self.objects.send(device, queue, still.objects, &self.object_records)?,
+            self.opacities.send(device, queue, still.opacities, frame.opacities())?,
+            self.deformed_normals.send(device, queue, 0, frame.deformed_normals())?,
+            self.lights.send(device, queue, 0, &lights)?,
+        ];
+        Ok(grown.contains(&true))
+    }
+
+    /// The entries of a bind group of group 0 for bindings 1 to 13.
+    #[must_use]
+    pub fn entries(&self) -> [wgpu::BindGroupEntry<'_>; BINDINGS] {
+        let lists = self.lists();
+        std::array::from_fn(|index| wgpu::BindGroupEntry {
+            binding: FIRST_BINDING + index as u32,
+            resource: match lists[index] {
+                Some(buffer) => buffer.wgpu().as_entire_binding(),
+                None => wgpu::BindingResource::TextureView(&self.atlas),
+            },
+        })
+    }
+
+    /// What [`Self::entries`] fill.
+    #[must_use]
+    pub fn layout_entries() -> [wgpu::BindGroupLayoutEntry; BINDINGS] {
+        std::array::from_fn(|index| wgpu::BindGroupLayoutEntry {
+            binding: FIRST_BINDING + index as u32,
+            visibility: wgpu::ShaderStages::VERTEX_FRAGMENT | wgpu::ShaderStages::COMPUTE,
+            ty: if index == ATLAS {
+                wgpu::BindingType::Texture {
+                    sample_type: wgpu::TextureSampleType::Uint,
+                    view_dimension: wgpu::TextureViewDimension::D2Array,
+                    multisampled: false,
+                }
+            } else {
+                wgpu::BindingType::Buffer {
+                    ty: wgpu::BufferBindingType::Storage { read_only: true },
+                    has_dynamic_offset: false,
+                    min_binding_size: None,
+                }
+            },
+            count: None,
+        })
+    }
+
+    /// Nine floats a triangle, world: also the input of an acceleration structure where the device traces rays, and of a vertex stage.
+    #[must_use]
+    pub fn positions(&self) -> &wgpu::Buffer {
+        self.positions.wgpu()
+    }
+
+    /// Bytes of device memory that it all takes.
+    #[must_use]
+    pub fn bytes(&self) -> u64 {
+        self.atlas_bytes + self.lists().iter().flatten().map(|buffer| buffer.bytes()).sum::<u64>()
+    }
+
+    /// The lists in the order of their bindings; none in the place of the atlas.
+    fn lists(&self) -> [Option<&Buffer>; BINDINGS] {
+        [
+            Some(&self.positions),
+            Some(&self.previous_positions),
+            Some(&self.triangles),
+            Some(&self.objects),
+            Some(&self.opacities),
+            Some(&self.attributes),
+            Some(&self.indices),
+            Some(&self.deformed_normals),
+            Some(&self.materials),
+            Some(&self.textures),
+            None,
+            Some(&self.lights),
+            Some(&self.lobes),
+        ]
+    }
+}

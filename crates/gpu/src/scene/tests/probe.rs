@@ -1,0 +1,283 @@
+//! A scene on a device gives the opacities and surfaces that it gives on the CPU.
+
+use std::{
+    path::Path,
+    sync::{Arc, LazyLock},
+};
+
+use bytemuck::{Pod, Zeroable};
+use glam::Vec3;
+use sheer_scene::{Animator, CameraChoice, FaceSide, Frame};
+
+use super::{super::SceneBuffers, join};
+use crate::{frame::FrameUniform, tables::Tables};
+
+const QUERIES: usize = 4096;
+/// `ANSWER_LENGTH` of the probe.
+const ANSWER_LENGTH: usize = 36;
+
+/// A point of a triangle, as the probe reads it.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+struct Query {
+    triangle: u32,
+    u: f32,
+    v: f32,
+    counter_clockwise: u32,
+}
+
+/// One for all tests: software drivers take seconds to compile the probe.
+static PROBE: LazyLock<(Device, wgpu::ComputePipeline)> = LazyLock::new(|| {
+    let device = Device::open();
+    let probe = device.probe();
+    (device, probe)
+});
+
+type Answer = [f32; ANSWER_LENGTH];
+
+struct Device {
+    device: wgpu::Device,
+    queue: wgpu::Queue,
+}
+
+impl Device {
+    fn open() -> Self {
+        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
+        let adapter =
+            pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default())).unwrap();
+        let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
+            required_limits: adapter.limits(),
+            ..wgpu::DeviceDescriptor::default()
+        }))
+        .unwrap();
+        Self { device, queue }
+    }
+
+    fn buffer(&self, bytes: &[u8], usage: wgpu::BufferUsages) -> wgpu::Buffer {
+        let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: None,
+            size: bytes.len() as u64,
+            usage: usage | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        self.queue.write_buffer(&buffer, 0, bytes);
+        buffer
+    }
+
+    fn probe(&self) -> wgpu::ComputePipeline {
+        let module = self.device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some("probe/surface"),
+            source: wgpu::ShaderSource::Wgsl(join("probe/surface").into()),
+        });
+        let uniform = wgpu::BindGroupLayoutEntry {
+            binding: 0,
+            visibility: wgpu::ShaderStages::COMPUTE,
+            ty: buffer_type(wgpu::BufferBindingType::Uniform),
+            count: None,
+        };
+        let storage = |binding, read_only| wgpu::BindGroupLayoutEntry {
+            binding,
+            ty: buffer_type(wgpu::BufferBindingType::Storage { read_only }),
+            ..uniform
+        };
+        let scene: Vec<_> =
+            [uniform, storage(14, true)].into_iter().chain(SceneBuffers::layout_entries()).collect();
+        let groups = [&scene[..], &[storage(0, true), storage(1, false)]].map(|entries| {
+            self.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: None, entries })
+        });
+        let layout = self.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: None,
+            bind_group_layouts: &[Some(&groups[0]), Some(&groups[1])],
+            immediate_size: 0,
+        });
+        self.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: Some("probe/surface"),
+            layout: Some(&layout),
+            module: &module,
+            entry_point: Some("cs_probe"),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            cache: None,
+        })
+    }
+
+    fn ask(
+        &self,
+        probe: &wgpu::ComputePipeline,
+        scene: &SceneBuffers,
+        frame: &Frame,
+        queries: &[Query],
+    ) -> Vec<Answer> {
+        let uniform = FrameUniform { static_count: frame.static_count() as u32, ..FrameUniform::zeroed() };
+        let uniform = self.buffer(bytemuck::bytes_of(&uniform), wgpu::BufferUsages::UNIFORM);
+        let tables =
+            self.buffer(bytemuck::cast_slice(&Tables::new(false, [0, 0]).words), wgpu::BufferUsages::STORAGE);
+        let asked = self.buffer(bytemuck::cast_slice(queries), wgpu::BufferUsages::STORAGE);
+        let empty = vec![Answer::zeroed(); queries.len()];
+        let storage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC;
+        let answers = self.buffer(bytemuck::cast_slice(&empty), storage);
+        let read = self.buffer(bytemuck::cast_slice(&empty), wgpu::BufferUsages::MAP_READ);
+
+        let group_0: Vec<_> =
+            [entry(0, &uniform), entry(14, &tables)].into_iter().chain(scene.entries()).collect();
+        let group_1 = [entry(0, &asked), entry(1, &answers)];
+        let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        {
+            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+            pass.set_pipeline(probe);
+            for (index, entries) in [&group_0[..], &group_1[..]].into_iter().enumerate() {
+                let group = self.device.create_bind_group(&wgpu::BindGroupDescriptor {
+                    label: None,
+                    layout: &probe.get_bind_group_layout(index as u32),
+                    entries,
+                });
+                pass.set_bind_group(index as u32, &group, &[]);
+            }
+            pass.dispatch_workgroups(queries.len().div_ceil(64) as u32, 1, 1);
+        }
+        encoder.copy_buffer_to_buffer(&answers, 0, &read, 0, read.size());
+        self.queue.submit([encoder.finish()]);
+        read.map_async(wgpu::MapMode::Read, .., |result| result.unwrap());
+        self.device.poll(wgpu::PollType::wait_indefinitely()).unwrap();
+        let bytes = read.get_mapped_range(..).unwrap();
+        bytemuck::cast_slice(&bytes).to_vec()
+    }
+}
+
+fn entry(binding: u32, buffer: &wgpu::Buffer) -> wgpu::BindGroupEntry<'_> {
+    wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() }
+}
+
+fn buffer_type(ty: wgpu::BufferBindingType) -> wgpu::BindingType {
+    wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None }
+}
+
+/// Random points of random triangles, a fraction of them at the end of the list, where the moving ones are.
+fn queries(frame: &Frame) -> Vec<Query> {
+    let count = frame.triangles().len() as u32;
+    (0..QUERIES as u32)
+        .map(|index| {
+            let [a, b, c] = sheer_core::hash::pcg3d([index, 17, 4]);
+            let [u, v] = [b, c].map(|bits| (bits >> 8) as f32 / (1 << 24) as f32);
+            let [u, v] = if u + v > 1.0 { [1.0 - u, 1.0 - v] } else { [u, v] };
+            let triangle = if index % 4 == 0 { count - 1 - a % count.min(64) } else { a % count };
+            Query { triangle, u, v, counter_clockwise: a >> 31 }
+        })
+        .collect()
+}
+
+/// What the CPU answers.
+fn expected(frame: &Frame, query: &Query) -> Answer {
+    let Query { triangle, u, v, .. } = *query;
+    let counter_clockwise = query.counter_clockwise != 0;
+    let surface = frame.surface(triangle, u, v, counter_clockwise);
+    let alpha = frame.opacity(triangle, u, v);
+    let scalars = [
+        alpha,
+        frame.opacity_for_camera(triangle, u, v, counter_clockwise),
+        f32::from(u8::from(surface.side == FaceSide::Front)),
+        surface.metallic,
+        surface.roughness,
+        surface.occlusion,
+    ];
+    let [a, b, c] = frame.corners_in_object(triangle);
+    let vectors = [
+        surface.base_colour,
+        surface.normal,
+        surface.geometric_normal,
+        surface.position,
+        surface.previous_position,
+        surface.emissive,
+        frame.light_through(triangle, u, v, alpha),
+        a,
+        b,
+        c,
+    ];
+    let values: Vec<f32> = scalars.into_iter().chain(vectors.iter().flat_map(Vec3::to_array)).collect();
+    values.try_into().unwrap()
+}
+
+/// Queries that are answered otherwise than by the CPU: by more than 1e-5 of a value, or of 1 where it is smaller. That is a hundred
+/// roundings: as many as a lookup has operations.
+fn wrong(frame: &Frame, queries: &[Query], answers: &[Answer]) -> Vec<String> {
+    assert_eq!(queries.len(), answers.len());
+    let pairs = queries.iter().zip(answers);
+    pairs
+        .filter_map(|(query, answer)| {
+            let expected = expected(frame, query);
+            let far = |index: &usize| {
+                let (found, wanted) = (answer[*index], expected[*index]);
+                let near = (found - wanted).abs() <= 1e-5 * wanted.abs().max(1.0);
+                // False for a NaN, too.
+                !near
+            };
+            let index = (0..ANSWER_LENGTH).find(far)?;
+            Some(format!("{query:?}: value {index} is {} instead of {}", answer[index], expected[index]))
+        })
+        .collect()
+}
+
+fn animator(scene: &str) -> Animator {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets/gltf").join(scene);
+    let text = if scene.contains('/') { path.to_str().unwrap() } else { scene };
+    let scene = Arc::new(sheer_scene::open(text).unwrap().scene);
+    let camera = scene.camera(&CameraChoice::Default).unwrap();
+    Animator::new(scene, camera)
+}
+
+#[test]
+fn a_device_gives_the_surfaces_that_the_cpu_gives() {
+    let (device, probe) = &*PROBE;
+    let scenes = [
+        "pane",
+        "plume",
+        "windy-hill",
+        "layers:count=2",
+        "Fox/Fox.gltf",
+        "MultiUVTest/MultiUVTest.gltf",
+        "NegativeScaleTest/NegativeScaleTest.gltf",
+        "VertexColorTest/VertexColorTest.gltf",
+        "MorphPrimitivesTest-Draco/MorphPrimitivesTest.gltf",
+    ];
+    for scene in scenes {
+        let mut animator = animator(scene);
+        let mut buffers = SceneBuffers::new(&device.device, &device.queue, animator.frame()).unwrap();
+        for [time_secs, previous_secs] in [[0.0, 0.0], [0.7, 0.65]] {
+            animator.advance(time_secs, previous_secs);
+            buffers.update(&device.device, &device.queue, animator.frame()).unwrap();
+            let queries = queries(animator.frame());
+            let answers = device.ask(probe, &buffers, animator.frame(), &queries);
+            let wrong = wrong(animator.frame(), &queries, &answers);
+            assert!(wrong.is_empty(), "{scene} at {time_secs} s: {} wrong, {}", wrong.len(), wrong[0]);
+        }
+    }
+}
+
+#[test]
+fn a_swapped_weight_or_a_frame_that_was_not_sent_is_noticed() {
+    let (device, probe) = &*PROBE;
+    let mut animator = animator("Fox/Fox.gltf");
+    let buffers = SceneBuffers::new(&device.device, &device.queue, animator.frame()).unwrap();
+    let asked = queries(animator.frame());
+    let swapped: Vec<_> = asked.iter().map(|query| Query { u: query.v, v: query.u, ..*query }).collect();
+    let answers = device.ask(probe, &buffers, animator.frame(), &swapped);
+    assert!(wrong(animator.frame(), &asked, &answers).len() > QUERIES / 2);
+    animator.advance(0.7, 0.65);
+    let answers = device.ask(probe, &buffers, animator.frame(), &asked);
+    assert!(wrong(animator.frame(), &asked, &answers).len() > QUERIES / 2);
+}
+
+#[test]
+fn a_frame_of_other_times_is_sent_without_new_buffers_once_there_is_room() {
+    let (device, _) = &*PROBE;
+    let mut animator = animator("plume");
+    let mut buffers = SceneBuffers::new(&device.device, &device.queue, animator.frame()).unwrap();
+    let bytes = buffers.bytes();
+    let mut grown = 0;
+    for index in 1..=100_u8 {
+        let time_secs = f32::from(index) * 0.1;
+        let frame = animator.advance(time_secs, time_secs - 0.1);
+        grown += u32::from(buffers.update(&device.device, &device.queue, frame).unwrap());
+    }
+    assert!(grown <= 3, "{grown} times");
+    assert!(buffers.bytes() >= bytes);
+}

@@ -1,0 +1,288 @@
+//! Constants as WGSL text, made from the Rust constants that the CPU uses: no number stands in two places.
+//!
+//! A float is written with as few decimal digits as read back the same bits.
+
+use std::fmt;
+
+use sheer_core::{
+    hash, mask,
+    parameter::{ParameterInfo, ParameterRange},
+    spatio_temporal, threshold_map,
+};
+use sheer_render::{
+    Method, contract,
+    cpu::shade,
+    method::{dtaa, dtaa_unique, hashed, joint, roulette},
+    temporal::taa,
+};
+
+use super::numbers;
+use crate::{scene, tables};
+
+/// A value that WGSL has a literal for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Value {
+    /// `u32`.
+    U32(u32),
+    /// `i32`.
+    I32(i32),
+    /// `f32`; finite.
+    F32(f32),
+    /// `vec4f`; finite.
+    Vec4F([f32; 4]),
+    /// `vec2u`, the low word first: shaders have no numbers of 64 bits.
+    U64(u64),
+}
+
+impl From<u64> for Value {
+    fn from(value: u64) -> Self {
+        Self::U64(value)
+    }
+}
+
+impl From<u32> for Value {
+    fn from(value: u32) -> Self {
+        Self::U32(value)
+    }
+}
+
+impl From<[f32; 4]> for Value {
+    fn from(values: [f32; 4]) -> Self {
+        Self::Vec4F(values)
+    }
+}
+
+impl From<f32> for Value {
+    fn from(value: f32) -> Self {
+        Self::F32(value)
+    }
+}
+
+/// A constant of a shader.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Constant {
+    name: String,
+    value: Value,
+}
+
+impl Constant {
+    /// A constant; a float has to be finite, WGSL has no other literals.
+    pub(crate) fn new(name: impl Into<String>, value: impl Into<Value>) -> Self {
+        Self { name: name.into(), value: value.into() }
+    }
+}
+
+impl fmt::Display for Constant {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let name = &self.name;
+        match self.value {
+            Value::U32(value) => writeln!(f, "const {name}: u32 = {value}u;"),
+            Value::I32(value) => writeln!(f, "const {name}: i32 = {value}i;"),
+            Value::F32(value) => writeln!(f, "const {name}: f32 = {value:?}f;"),
+            Value::U64(value) => {
+                writeln!(f, "const {name}: vec2u = vec2u({}u, {}u);", value as u32, value >> 32)
+            }
+            Value::Vec4F([x, y, z, w]) => {
+                writeln!(f, "const {name}: vec4f = vec4f({x:?}f, {y:?}f, {z:?}f, {w:?}f);")
+            }
+        }
+    }
+}
+
+/// The constants as text, a line each.
+pub(crate) fn text(constants: &[Constant]) -> String {
+    constants.iter().map(Constant::to_string).collect()
+}
+
+/// Rows `module::{NAME, NAME as OTHER_NAME}`: each constant of a module under its own name, or another one in shaders.
+macro_rules! constants {
+    ($($module:ident :: {$($name:ident $(as $other:ident)?),+ $(,)?}),+ $(,)?) => {
+        vec![$($(Constant::new(constants!(@name $name $($other)?), $module::$name)),+),+]
+    };
+    (@name $name:ident) => { stringify!($name) };
+    (@name $name:ident $other:ident) => { stringify!($other) };
+}
+
+/// What all shaders may use.
+pub(crate) fn all() -> Vec<Constant> {
+    let mut all = constants![
+        contract::{MIN_ALPHA, MIN_VISIBILITY, BLUE_NOISE_SIDE},
+        numbers::{
+            MISS, NO_DEPTH, FAR_AWAY,
+            BACKGROUND_ENVIRONMENT, BACKGROUND_COLOUR, BACKGROUND_NONE,
+        },
+        sheer_scene::{OPAQUE, SINGLE_SIDED, MIRRORED, TINTED, SLOT, NO_TEXTURE},
+        hash::{
+            LCG_MULTIPLIER, LCG_INCREMENT, PCG_MULTIPLIER, PCG_INCREMENT, PCG_OUTPUT_MULTIPLIER, UNIT_STEP, BELOW_ONE,
+            PCG32_MULTIPLIER, SPLITMIX64_STEP,
+            MCGUIRE_GAIN, MCGUIRE_X, MCGUIRE_Y, MCGUIRE_Y_OF_WEIGHT, MCGUIRE_LEAST,
+        },
+        mask::{ALPHA_BITS, OPAQUE as OPAQUE_ALPHA, CURVE_SIDE},
+        threshold_map::{SIDE as MAP_SIDE},
+        spatio_temporal::{SIDE as RANK_SIDE, FRAME_COUNT as RANK_FRAMES, COUNT as RANK_COUNT},
+        roulette::{MCGUIRE_SEEDS, MCGUIRE_SEED_STEP},
+        dtaa::{SIDE as DTAA_SIDE, PERIOD_PX as DTAA_PERIOD_PX},
+        hashed::{MAX_LEVEL},
+        joint::{SHIFT_PX, CYCLE_FRAMES, GOLDEN_RATIO_BITS, OFFSET_BITS},
+        taa::{NEW_FRAME_WEIGHT, CLIP_SIGMAS, LEAST_DEVIATION},
+        shade::{
+            DIELECTRIC_F0, MIN_ROUGHNESS, SMOKE_WRAP, SMOKE_ANISOTROPY,
+            FIBRE_SURFACE, FIBRE_THROUGH, FIBRE_BACK, FIBRE_TILT,
+        },
+        tables::{TABLE_STD_MAPS, TABLE_BLUE_NOISE, TABLE_PERMUTATIONS, TABLE_DECODE},
+    ];
+    all.extend([
+        Constant::new("MASK_WIDTH", mask::WIDTH as u32),
+        Constant::new("MAP_COUNT", threshold_map::MAP_COUNT as u32),
+        Constant::new("THRESHOLD_COUNT", threshold_map::THRESHOLD_COUNT as u32),
+        Constant::new("PERMUTATION_COUNT", dtaa_unique::PERMUTATION_COUNT as u32),
+        // Signed as in Rust: they are loop bounds on both sides of zero.
+        Constant { name: "OPAQUE_RADIUS".to_owned(), value: Value::I32(taa::OPAQUE_RADIUS as i32) },
+        Constant { name: "TRANSPARENT_RADIUS".to_owned(), value: Value::I32(taa::TRANSPARENT_RADIUS as i32) },
+    ]);
+    all.extend(scene::CONSTANTS.iter().map(|&(name, value)| Constant::new(name, value)));
+    let factors = hash::SPLITMIX64_FACTORS.into_iter().enumerate();
+    all.extend(factors.map(|(index, factor)| Constant::new(format!("SPLITMIX64_FACTOR_{index}"), factor)));
+    let scramble = mask::SCRAMBLE.into_iter().enumerate();
+    all.extend(scramble.map(|(index, factor)| Constant::new(format!("SCRAMBLE_{index}"), factor)));
+    all
+}
+
+/// Key of the parameter that [`Method::correction`] stands for; a fitted correction has no word, only coefficients.
+const CORRECTION: &str = "correction";
+
+/// A method's parameters. The key `rehash` becomes `P_REHASH`, a choice `hash` becomes `P_HASH`, the number of the word chosen, with
+/// `P_HASH_PCG` and `P_HASH_MCGUIRE` to compare with.
+pub(crate) fn of_method(method: &Method) -> Vec<Constant> {
+    let parameters = method.parameters();
+    let mut constants: Vec<Constant> = parameters
+        .iter()
+        .filter(|parameter| parameter.key != CORRECTION)
+        .flat_map(|parameter| of_parameter(parameter, method.value(parameter.key)))
+        .collect();
+    constants.extend([
+        Constant {
+            name: "P_CORRECTION_COEFFICIENTS".to_owned(),
+            value: Value::Vec4F(method.correction().coefficients()),
+        },
+        Constant::new("P_ALIGNMENT_PX", method.alignment_px()),
+    ]);
+    constants
+}
+
+/// A parameter's value, which has been checked against its range.
+fn of_parameter(parameter: &ParameterInfo, value: &str) -> Vec<Constant> {
+    let name = format!("P_{}", word(parameter.key));
+    match parameter.range {
+        ParameterRange::Count(..) => {
+            vec![Constant::new(name, value.parse::<u32>().expect("checked against its range"))]
+        }
+        ParameterRange::Real(..) => {
+            vec![Constant::new(name, value.parse::<f32>().expect("checked against its range"))]
+        }
+        ParameterRange::Choice(words) => {
+            let chosen = words.iter().position(|word| *word == value).expect("checked against its range");
+            let numbered = (0_u32..).zip(words);
+            let named =
+                numbered.map(|(number, each)| Constant::new(format!("{name}_{}", word(each)), number));
+            [Constant::new(name.clone(), chosen as u32)].into_iter().chain(named).collect()
+        }
+    }
+}
+
+/// A key or a word as a part of a constant's name.
+fn word(text: &str) -> String {
+    text.to_ascii_uppercase().replace(|letter: char| !letter.is_ascii_alphanumeric(), "_")
+}
+
+#[cfg(test)]
+mod tests {
+    use naga::{Expression, Handle, Literal, Module};
+    use sheer_core::coverage::Correction;
+    use sheer_render::method::METHODS;
+
+    use super::*;
+
+    fn bits(module: &Module, init: Handle<Expression>) -> Vec<u32> {
+        match &module.global_expressions[init] {
+            Expression::Literal(Literal::U32(value)) => vec![*value],
+            Expression::Literal(Literal::I32(value)) => vec![value.cast_unsigned()],
+            Expression::Literal(Literal::F32(value)) => vec![value.to_bits()],
+            Expression::Compose { components, .. } => {
+                components.iter().flat_map(|component| bits(module, *component)).collect()
+            }
+            other => panic!("{other:?} is no constant"),
+        }
+    }
+
+    /// What naga's constant evaluator makes of a text, name by name.
+    fn read_back(text: &str) -> Vec<(String, Vec<u32>)> {
+        let module = naga::front::wgsl::parse_str(text)
+            .unwrap_or_else(|error| panic!("{}", error.emit_to_string(text)));
+        let named =
+            module.constants.iter().filter_map(|(_, constant)| Some((constant.name.clone()?, constant.init)));
+        named.map(|(name, init)| (name, bits(&module, init))).collect()
+    }
+
+    fn expected(constants: &[Constant]) -> Vec<(String, Vec<u32>)> {
+        let bits = |value| match value {
+            Value::U32(value) => vec![value],
+            Value::I32(value) => vec![value.cast_unsigned()],
+            Value::F32(value) => vec![value.to_bits()],
+            Value::U64(value) => vec![value as u32, (value >> 32) as u32],
+            Value::Vec4F(values) => values.map(f32::to_bits).to_vec(),
+        };
+        constants.iter().map(|constant| (constant.name.clone(), bits(constant.value))).collect()
+    }
+
+    #[test]
+    fn a_shader_reads_the_same_bits_of_every_constant() {
+        let constants = all();
+        assert_eq!(read_back(&text(&constants)), expected(&constants));
+        // Negative control: the next float is another constant.
+        let mut off = constants;
+        off.push(Constant::new("CONTROL", 0.1_f32));
+        let written = text(&off);
+        off.last_mut().unwrap().value = Value::F32(0.1_f32.next_up());
+        assert_ne!(read_back(&written), expected(&off));
+    }
+
+    #[test]
+    fn floats_of_every_size_read_back_the_same_bits() {
+        let mut random = hash::Pcg32::new(3, 0);
+        let drawn = (0..2000).map(|_| f32::from_bits(random.next_u32())).filter(|value| value.is_normal());
+        let extremes = [0.0, -0.0, 1.0, f32::MAX, f32::MIN, f32::MIN_POSITIVE, hash::BELOW_ONE];
+        let constants: Vec<Constant> = (0..)
+            .zip(drawn.chain(extremes))
+            .map(|(index, value): (u32, f32)| Constant::new(format!("C{index}"), value))
+            .collect();
+        assert_eq!(read_back(&text(&constants)), expected(&constants));
+    }
+
+    #[test]
+    fn the_parameters_of_every_method_read_back() {
+        for info in METHODS {
+            let constants = of_method(&info.id.parse().unwrap());
+            assert_eq!(read_back(&text(&constants)), expected(&constants), "{}", info.id);
+        }
+    }
+
+    #[test]
+    fn parameters_are_named_after_key_and_word() {
+        let method: Method = "std:hash=mcguire,rehash=9,hybrid=0.1,align=off".parse().unwrap();
+        let fitted = Correction::new([0.1, 0.2, 0.3, 0.4]).unwrap();
+        let text = text(&of_method(&method.with_correction(fitted, "std:correction=fitted.json")));
+        for line in [
+            "const P_HASH: u32 = 1u;",
+            "const P_HASH_PCG: u32 = 0u;",
+            "const P_HASH_MCGUIRE: u32 = 1u;",
+            "const P_REHASH: u32 = 9u;",
+            "const P_HYBRID: f32 = 0.1f;",
+            "const P_LAYERS: u32 = 0u;",
+            "const P_ALIGNMENT_PX: u32 = 1u;",
+            "const P_CORRECTION_COEFFICIENTS: vec4f = vec4f(0.1f, 0.2f, 0.3f, 0.4f);",
+        ] {
+            assert!(text.lines().any(|written| written == line), "{line} is not in\n{text}");
+        }
+    }
+}

@@ -1,0 +1,281 @@
+//! Linking by hand-made pieces, and the project's own ones through naga, which needs no device.
+
+use std::{fs, path::Path};
+
+use sheer_render::{Method, method::Family, method::METHODS};
+
+use super::*;
+use crate::{
+    device::{AdapterReport, Tracer},
+    pipeline::base_linker,
+    raster::{Lists, Plan, stochastic::Sampling},
+    ray::Search,
+    shadow::MapSettings,
+    tables::Tables,
+};
+
+fn linker(pieces: &[(&'static str, &'static str)]) -> Linker {
+    Linker { pieces: pieces.iter().copied().collect(), aliases: BTreeMap::new(), constants: "C\n".to_owned() }
+}
+
+fn problem(linker: &Linker, piece: &str) -> String {
+    linker.link(piece).unwrap_err().to_string()
+}
+
+/// Parses and validates; the error as text.
+pub(crate) fn validate(text: &str) -> Result<(), String> {
+    let module = naga::front::wgsl::parse_str(text).map_err(|error| error.emit_to_string(text))?;
+    let capabilities = naga::valid::Capabilities::all();
+    naga::valid::Validator::new(naga::valid::ValidationFlags::all(), capabilities)
+        .validate(&module)
+        .map(|_| ())
+        .map_err(|error| error.emit_to_string(text))
+}
+
+#[test]
+fn a_piece_is_included_once_below_constants_and_enables() {
+    let linker = linker(&[
+        ("a", "enable x;\n#import b\n#import c\na"),
+        ("b", "enable x;\nenable w;\n#import c\nb"),
+        ("c", "c"),
+    ]);
+    assert_eq!(linker.link("a").unwrap(), "enable w;\nenable x;\nC\nc\nb\na\n");
+}
+
+#[test]
+fn an_alias_stands_for_a_piece() {
+    let linker = linker(&[("a", "#import b\n#import other"), ("b", "b")]).alias("other", "b");
+    assert_eq!(linker.link("a").unwrap(), "C\nb\n");
+    assert_eq!(linker.constants("D\n".to_owned()).link("other").unwrap(), "C\nD\nb\n");
+}
+
+#[test]
+fn a_template_is_expanded_once_for_each_word() {
+    let linker = linker(&[
+        ("a", "#expand t V=x\n#expand t V=y\n#expand t V=x"),
+        ("t", "#import b\nf_V(V)"),
+        ("b", "b"),
+    ]);
+    assert_eq!(linker.link("a").unwrap(), "C\nb\nf_x(x)\nf_y(y)\n");
+}
+
+#[test]
+fn slips_name_the_chain_that_leads_to_them() {
+    let linker = linker(&[
+        ("a", "#import b"),
+        ("b", "#import c"),
+        ("c", "#import a"),
+        ("d", "#import e\n"),
+        ("f", "#inport b"),
+        ("g", "#expand f W=x"),
+        ("h", "#expand f W"),
+    ]);
+    assert!(problem(&linker, "a").contains("include one another: a → b → c → a"));
+    assert!(problem(&linker, "d").contains("no piece 'e': d → e"));
+    assert!(problem(&linker, "f").contains("'#inport b' in f"));
+    assert!(problem(&linker, "g").contains("there is no W to replace: g → f"));
+    assert!(problem(&linker, "h").contains("'W' is not NAME=WORD: h → f"));
+}
+
+/// Names of the files below a folder, without their ending.
+fn names_below(folder: &Path, root: &Path, names: &mut BTreeSet<String>) {
+    for entry in fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            names_below(&path, root, names);
+        } else {
+            assert_eq!(path.extension().unwrap(), "wgsl", "{} is no shader", path.display());
+            let name =
+                path.with_extension("").strip_prefix(root).unwrap().to_str().unwrap().replace('\\', "/");
+            names.insert(name);
+        }
+    }
+}
+
+#[test]
+fn every_file_below_shaders_is_a_piece() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders");
+    let mut names = BTreeSet::new();
+    names_below(&root, &root, &mut names);
+    assert!(names.iter().map(String::as_str).eq(Linker::new().pieces.into_keys()), "{names:?}");
+}
+
+/// Shaders that use all that threshold and selection methods bring, for each value of each choice.
+fn probes_of_methods() -> Vec<(Method, String)> {
+    let methods = METHODS.iter().map(|info| info.id.parse::<Method>().unwrap());
+    let drawing =
+        methods.filter(|method| method.family() != Family::Compositing && method.info().id != "baseline");
+    let mut probes = Vec::new();
+    for method in drawing {
+        let id = method.info().id;
+        let settings = method.info().parameters.iter().flat_map(|parameter| match parameter.range {
+            sheer_core::parameter::ParameterRange::Choice(words) => {
+                words.iter().map(|word| format!("{}={word}", parameter.key)).collect::<Vec<_>>()
+            }
+            _ => Vec::new(),
+        });
+        for settings in settings.chain([String::new()]) {
+            let method: Method = format!("{id}:{settings}").parse().unwrap();
+            let probe =
+                if method.family() == Family::Selection { "probe/selection" } else { "probe/threshold" };
+            let tables = Tables::new(false, [4, 0]).constants();
+            let text = Linker::new().method(&method).constants(tables).link(probe).unwrap();
+            probes.push((method, text));
+        }
+    }
+    probes
+}
+
+#[test]
+fn every_threshold_and_selection_method_is_a_valid_shader() {
+    let probes = probes_of_methods();
+    assert!(probes.len() > 7, "{}", probes.len());
+    for (method, text) in probes {
+        validate(&text).unwrap_or_else(|error| panic!("{method}: {error}"));
+    }
+}
+
+#[test]
+fn every_shared_piece_of_numbers_is_valid_alone() {
+    let method: Method = "std".parse().unwrap();
+    let linker = Linker::new().method(&method).constants(Tables::new(false, [4, 0]).constants());
+    for piece in ["decide", "dtaa_map", "hash", "mask", "object_draw", "site", "tables", "threshold_map"]
+        .map(|name| format!("shared/{name}"))
+    {
+        validate(&linker.link(&piece).unwrap()).unwrap_or_else(|error| panic!("{piece}: {error}"));
+    }
+    for piece in ["probe/hash", "probe/mask", "probe/decide"] {
+        validate(&linker.link(piece).unwrap()).unwrap_or_else(|error| panic!("{piece}: {error}"));
+    }
+}
+
+#[test]
+fn a_slip_in_a_shader_is_found() {
+    let (_, text) = probes_of_methods().swap_remove(0);
+    for (from, to) in [("-> f32", "-> u32"), ("LCG_INCREMENT;", "LCG_INCREMENTS;"), ("v * ", "v *, ")] {
+        assert!(text.contains(from), "{from}");
+        assert!(validate(&text.replacen(from, to, 1)).is_err(), "{from}");
+    }
+}
+
+/// All shaders of both paths that a method may take, by name.
+fn passes_of(method: &Method, tracer: Tracer) -> Vec<(String, String)> {
+    let plain = base_linker(tracer).constants(Tables::new(false, [4, 0]).constants());
+    let linker = plain.clone().method(method);
+    let Some(search) = Search::of(method) else {
+        let plan = Plan::of(method).unwrap();
+        let behind = ("pass/behind".to_owned(), plain.link("pass/behind").unwrap());
+        let own = |plan: Plan| ("pass/front".to_owned(), plan.link(linker.clone()).unwrap());
+        return plan.map(own).into_iter().chain([behind]).collect();
+    };
+    let piece = search.piece().0;
+    let mut passes = vec![(piece.to_owned(), search.link(linker.clone()).unwrap())];
+    let mut more =
+        |linker: &Linker, piece: &str| passes.push((piece.to_owned(), linker.link(piece).unwrap()));
+    more(&plain, "pass/shade");
+    if search.needs_order() {
+        more(&plain, "pass/opaque");
+        more(&plain, "pass/capture");
+        more(&Lists::linker(linker, search), piece);
+    } else {
+        more(&linker, "pass/visibility");
+        more(&linker.alias("find", "pass/find_visible"), piece);
+    }
+    passes
+}
+
+#[test]
+fn every_pass_of_every_method_is_a_valid_shader() {
+    let methods = METHODS.iter().map(|info| info.id.to_owned());
+    let further = [
+        "std:hybrid=0.5",
+        "joint:hybrid=0.5,layers=4",
+        "baseline:trace=continuation",
+        "moments:order=6",
+        "moments:order=8",
+    ];
+    for text in methods.chain(further.map(str::to_owned)) {
+        let method: Method = text.parse().unwrap();
+        for tracer in [Tracer::Query, Tracer::Bvh] {
+            for (piece, text) in passes_of(&method, tracer) {
+                validate(&text).unwrap_or_else(|error| panic!("{method}, {tracer:?}, {piece}: {error}"));
+            }
+        }
+    }
+}
+
+/// What a device with four samples a pixel says of itself.
+fn report() -> AdapterReport {
+    AdapterReport {
+        name: "made up".to_owned(),
+        kind: "software",
+        driver: String::new(),
+        api: String::new(),
+        ray_query: false,
+        timestamps: false,
+        msaa: vec![4],
+        max_storage_bytes: 1 << 27,
+    }
+}
+
+#[test]
+fn every_pass_of_stochastic_transparency_is_a_valid_shader() {
+    for settings in [
+        "",
+        "correct=off",
+        "estimator=basic",
+        "samples=16,passes=2,masks=naive",
+        "masks=a2c,dither=tile",
+        "seed-by=depth",
+    ] {
+        let method: Method = format!("stochastic:{settings}").parse().unwrap();
+        let sampling = Sampling::of(&method, &report()).unwrap().unwrap();
+        let tables = Tables::new(false, sampling.table_sizes()).constants();
+        let plain = base_linker(Tracer::Bvh).constants(tables);
+        let sampled = plain.clone().constants(sampling.constants());
+        for (piece, linker) in [
+            ("pass/stochastic", sampled.clone().method(&method)),
+            ("pass/stochastic_accumulate", plain),
+            ("pass/stochastic_resolve", sampled),
+        ] {
+            validate(&linker.link(piece).unwrap())
+                .unwrap_or_else(|error| panic!("{method}, {piece}: {error}"));
+        }
+    }
+}
+
+#[test]
+fn what_the_hardware_cannot_draw_of_stochastic_transparency_is_refused_with_advice() {
+    for settings in [
+        "samples=3",
+        "samples=6",
+        "samples=64,passes=3",
+        "masks=laine-karras",
+        "placement=gaussian",
+        "adaptive=0.1",
+        "filter=bilateral",
+    ] {
+        let method: Method = format!("stochastic:{settings}").parse().unwrap();
+        let error = Sampling::of(&method, &report()).unwrap_err().to_string();
+        assert!(error.contains("take ") && error.contains("--backend cpu"), "{settings}: {error}");
+    }
+}
+
+#[test]
+fn shadow_maps_are_valid_shaders_to_make_and_to_read() {
+    for settings in ["", "samples=64,correct=on", "sampling=naive,taps=3", "filter=0"] {
+        let maps = MapSettings::of(&format!("stochastic-map:{settings}").parse().unwrap()).unwrap().unwrap();
+        for tracer in [Tracer::Query, Tracer::Bvh] {
+            let linker = base_linker(tracer).constants(Tables::new(false, [4, 0]).constants());
+            let linker = linker.alias("shadow", "shared/shadow_map").constants(maps.constants());
+            for piece in ["pass/shadow_map", "shared/shade"] {
+                let text = linker.link(piece).unwrap();
+                validate(&text).unwrap_or_else(|error| panic!("{settings}, {tracer:?}, {piece}: {error}"));
+            }
+        }
+    }
+    for other in ["deep-map", "opacity-map", "fourier"] {
+        let error = MapSettings::of(&other.parse().unwrap()).unwrap_err().to_string();
+        assert!(error.contains(other) && error.contains("take --shadow stochastic-map"), "{error}");
+    }
+}

@@ -1,0 +1,306 @@
+//! A scene at a time, on the device.
+
+use std::{
+    sync::{
+        Arc,
+        atomic::{AtomicU64, Ordering},
+    },
+    time::Instant,
+};
+
+use glam::Vec3;
+use rayon::{ThreadPool, ThreadPoolBuilder, prelude::*};
+use sheer_accel::Bvh;
+use sheer_render::{LIFT, Moment, RenderError, cpu::depth_range};
+use sheer_scene::{Animator, CameraChoice, CameraPose, Frame, Scene};
+
+use crate::{
+    GpuError,
+    accel::QueryAccel,
+    bvh::BvhBuffers,
+    device::{Gpu, Tracer},
+    scene::SceneBuffers,
+};
+
+/// How large everything is.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Extent {
+    /// Ray origins are lifted off surfaces by this much, world units.
+    pub(crate) lift: f32,
+    /// Lowest and highest corner of what never moves.
+    still: Option<[Vec3; 2]>,
+    /// Lowest and highest corner of all triangles.
+    bounds: Option<[Vec3; 2]>,
+}
+
+fn bounds_of(triangles: &[[Vec3; 3]]) -> Option<[Vec3; 2]> {
+    let grown = |[low, high]: [Vec3; 2], triangle: &[Vec3; 3]| {
+        triangle.iter().fold([low, high], |[low, high], corner| [low.min(*corner), high.max(*corner)])
+    };
+    let nothing = [Vec3::INFINITY, Vec3::NEG_INFINITY];
+    let [low, high] = triangles.par_iter().fold(|| nothing, grown).reduce(
+        || nothing,
+        |[low, high], [other_low, other_high]| [low.min(other_low), high.max(other_high)],
+    );
+    (low.x <= high.x).then_some([low, high])
+}
+
+impl Extent {
+    fn new(frame: &Frame) -> Self {
+        let lift = LIFT * frame.scene().bounding_sphere().1;
+        let still = bounds_of(&frame.triangles()[..frame.static_count()]);
+        let mut extent = Self { lift, still, bounds: None };
+        extent.update(frame);
+        extent
+    }
+
+    fn update(&mut self, frame: &Frame) {
+        let moving = bounds_of(&frame.triangles()[frame.static_count()..]);
+        self.bounds = match (self.still, moving) {
+            (Some([low, high]), Some([other_low, other_high])) => {
+                Some([low.min(other_low), high.max(other_high)])
+            }
+            (still, moving) => still.or(moving),
+        };
+    }
+
+    /// The depths between which all surfaces lie, as the CPU has them.
+    pub(crate) fn depth_range(&self, camera: &CameraPose) -> [f32; 2] {
+        depth_range(self.bounds, camera)
+    }
+
+    /// A power of two that no distance from a ray's origin to a surface exceeds: dividing by it loses no bit.
+    pub(crate) fn reach(&self, camera: &CameraPose) -> f32 {
+        let Some([low, high]) = self.bounds else { return 1.0 };
+        let furthest = (low - camera.eye()).abs().max((high - camera.eye()).abs()).length();
+        // The rays of an orthographic camera start beside the eye.
+        let furthest = 2.0 * (furthest + (high - low).length());
+        furthest.max(1e-6).log2().ceil().exp2()
+    }
+}
+
+fn next_version() -> u64 {
+    static NEXT: AtomicU64 = AtomicU64::new(0);
+    NEXT.fetch_add(1, Ordering::Relaxed)
+}
+
+/// What rays are traced through.
+#[derive(Debug)]
+enum Accel {
+    Query(QueryAccel),
+    Bvh { tree: Bvh, buffers: BvhBuffers },
+}
+
+/// A scene, seen through one of its cameras, at a time: the frame's geometry on the device and the acceleration structure over it. Several
+/// pipelines can render from one stage.
+#[derive(Debug)]
+pub struct Stage {
+    gpu: Arc<Gpu>,
+    animator: Animator,
+    pool: ThreadPool,
+    extent: Extent,
+    scene: SceneBuffers,
+    accel: Accel,
+    build_ms: f64,
+    /// The device that everything was made with.
+    generation: u32,
+    /// Another one for each set of buffers in the process, so that bind groups are made anew.
+    version: u64,
+}
+
+impl Stage {
+    /// Prepares a scene at time zero. `threads`: how many to use for animation, all the processor's by default.
+    ///
+    /// # Errors
+    /// The scene has no such camera, is too large for the device, or the threads cannot be started.
+    pub fn new(
+        gpu: &Arc<Gpu>,
+        scene: impl Into<Arc<Scene>>,
+        camera: &CameraChoice,
+        threads: Option<usize>,
+    ) -> Result<Self, GpuError> {
+        let scene = scene.into();
+        let camera = scene.camera(camera)?;
+        let pool = ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0));
+        let pool = pool.build().map_err(RenderError::from)?;
+        let start = Instant::now();
+        let (animator, extent) = pool.install(|| {
+            let animator = Animator::new(scene, camera);
+            let extent = Extent::new(animator.frame());
+            (animator, extent)
+        });
+        let generation = gpu.generation();
+        let (scene, accel) = pool.install(|| upload(gpu, animator.frame()))?;
+        let build_ms = start.elapsed().as_secs_f64() * 1e3;
+        Ok(Self {
+            gpu: Arc::clone(gpu),
+            animator,
+            pool,
+            extent,
+            scene,
+            accel,
+            build_ms,
+            generation,
+            version: next_version(),
+        })
+    }
+
+    /// Moves everything to a moment, uploads what has moved and rebuilds the acceleration structure over it.
+    ///
+    /// # Errors
+    /// What moves has grown beyond what the device holds, or the device is lost: [`Pipeline::render`](crate::Pipeline::render) takes a new one.
+    pub fn advance(&mut self, moment: Moment) -> Result<(), GpuError> {
+        let start = Instant::now();
+        let Self { animator, pool, extent, .. } = self;
+        pool.install(|| {
+            animator.advance(moment.time_secs, moment.previous_secs);
+            extent.update(animator.frame());
+        });
+        let result = self.upload_moving();
+        self.build_ms = start.elapsed().as_secs_f64() * 1e3;
+        match result {
+            // The pipeline that renders next makes everything anew.
+            Err(GpuError::DeviceLost { .. }) => Ok(()),
+            other => other,
+        }
+    }
+
+    fn upload_moving(&mut self) -> Result<(), GpuError> {
+        let (device, queue) = (self.gpu.device(), self.gpu.queue());
+        let Self { animator, pool, scene, accel, .. } = self;
+        let frame = animator.frame();
+        if frame.static_count() == frame.triangles().len() && frame.lights().is_empty() {
+            return Ok(());
+        }
+        let replaced = pool.install(|| -> Result<bool, GpuError> {
+            let mut replaced = scene.update(&device, &queue, frame)?;
+            replaced |= match accel {
+                Accel::Query(query) => build(&device, &queue, query, scene.positions(), frame)?,
+                Accel::Bvh { tree, buffers } => {
+                    tree.rebuild_after(frame.static_count(), frame.triangles());
+                    buffers.update(&device, &queue, tree)?
+                }
+            };
+            Ok(replaced)
+        })?;
+        if replaced {
+            self.version = next_version();
+        }
+        self.gpu.wait()
+    }
+
+    /// Makes everything anew if the device has changed.
+    pub(crate) fn renew(&mut self) -> Result<(), GpuError> {
+        let generation = self.gpu.generation();
+        if generation != self.generation {
+            (self.scene, self.accel) = self.pool.install(|| upload(&self.gpu, self.animator.frame()))?;
+            self.generation = generation;
+            self.version = next_version();
+        }
+        Ok(())
+    }
+
+    /// Milliseconds that the last [`Self::advance`] took: animation, upload and acceleration structure.
+    #[must_use]
+    pub fn build_ms(&self) -> f64 {
+        self.build_ms
+    }
+
+    /// The geometry.
+    #[must_use]
+    pub fn frame(&self) -> &Frame {
+        self.animator.frame()
+    }
+
+    /// How many threads animate.
+    #[must_use]
+    pub fn threads(&self) -> usize {
+        self.pool.current_num_threads()
+    }
+
+    /// The device.
+    #[must_use]
+    pub fn gpu(&self) -> &Arc<Gpu> {
+        &self.gpu
+    }
+
+    /// Bytes of all buffers and textures of the scene.
+    #[must_use]
+    pub fn bytes(&self) -> u64 {
+        let accel = match &self.accel {
+            Accel::Query(query) => query.bytes(),
+            Accel::Bvh { buffers, .. } => buffers.bytes(),
+        };
+        self.scene.bytes() + accel
+    }
+
+    pub(crate) fn extent(&self) -> &Extent {
+        &self.extent
+    }
+
+    pub(crate) fn pool(&self) -> &ThreadPool {
+        &self.pool
+    }
+
+    /// Tells [`Self::entries`] from those of earlier times and of other stages.
+    pub(crate) fn version(&self) -> u64 {
+        self.version
+    }
+
+    /// Layout of the bindings of [`Self::entries`].
+    pub(crate) fn layout_entries(tracer: Tracer) -> Vec<wgpu::BindGroupLayoutEntry> {
+        // Rays of light start in fragment shaders, too.
+        let visibility = wgpu::ShaderStages::FRAGMENT | wgpu::ShaderStages::COMPUTE;
+        let mut entries = SceneBuffers::layout_entries().to_vec();
+        match tracer {
+            Tracer::Query => entries.extend(QueryAccel::layout_entries(visibility)),
+            Tracer::Bvh => entries.extend(BvhBuffers::layout_entries(visibility)),
+        }
+        entries
+    }
+
+    /// Bindings 1 to 13 and 15 to 16 of group 0.
+    pub(crate) fn entries(&self) -> Vec<wgpu::BindGroupEntry<'_>> {
+        let mut entries = self.scene.entries().to_vec();
+        match &self.accel {
+            Accel::Query(query) => entries.extend(query.entries()),
+            Accel::Bvh { buffers, .. } => entries.extend(buffers.entries()),
+        }
+        entries
+    }
+}
+
+fn upload(gpu: &Gpu, frame: &Frame) -> Result<(SceneBuffers, Accel), GpuError> {
+    let (device, queue) = (gpu.device(), gpu.queue());
+    let scene = SceneBuffers::new(&device, &queue, frame)?;
+    let accel = match gpu.tracer() {
+        Tracer::Query => {
+            let mut query = QueryAccel::new(&device)?;
+            build(&device, &queue, &mut query, scene.positions(), frame)?;
+            Accel::Query(query)
+        }
+        Tracer::Bvh => {
+            let mut tree = Bvh::build(&frame.triangles()[..frame.static_count()]);
+            tree.rebuild_after(frame.static_count(), frame.triangles());
+            let buffers = BvhBuffers::new(&device, &queue, &tree)?;
+            Accel::Bvh { tree, buffers }
+        }
+    };
+    gpu.wait()?;
+    Ok((scene, accel))
+}
+
+/// Builds the device's acceleration structure over what has moved; true if it has another buffer now.
+fn build(
+    device: &wgpu::Device,
+    queue: &wgpu::Queue,
+    query: &mut QueryAccel,
+    positions: &wgpu::Buffer,
+    frame: &Frame,
+) -> Result<bool, GpuError> {
+    let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+    let (triangles, static_count) = (frame.triangles(), frame.static_count());
+    let replaced = query.update(device, queue, &mut encoder, positions, triangles, static_count)?;
+    queue.submit([encoder.finish()]);
+    Ok(replaced)
+}

@@ -1,0 +1,282 @@
+//! Adding frames up over time, on the device: twin of [`sheer_render::temporal`]. The history never leaves it until it is read back.
+
+use bytemuck::{Pod, Zeroable};
+use sheer_render::Antialiasing;
+use wgpu::{BufferBindingType, BufferUsages, ShaderStages};
+
+use crate::{
+    GpuError,
+    bindings::{buffer_entry, compute_pipeline, whole},
+    device::Gpu,
+    pixels::COLOUR_BYTES,
+    shader::Linker,
+    timing::Timer,
+};
+
+/// Columns and rows of pixels that a workgroup fills, in both shaders.
+const GROUP_SIDE: u32 = 8;
+/// What the time of adding up counts as.
+pub(crate) const STEP: &str = "temporal";
+
+/// The uniform of shaders/shared/temporal.wgsl.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+struct Uniform {
+    size: [u32; 2],
+    count: u32,
+    alignment_px: u32,
+    frame: u32,
+    seed: u32,
+    padding: [u32; 2],
+}
+
+/// What has been added up. Two buffers take turns: the history that is read and the one that is written.
+#[derive(Debug)]
+pub(crate) struct History {
+    size: [u32; 2],
+    antialiasing: Antialiasing,
+    /// How many frames were taken in.
+    count: u32,
+    layout: wgpu::BindGroupLayout,
+    pipeline: wgpu::ComputePipeline,
+    uniform: wgpu::Buffer,
+    colours: [wgpu::Buffer; 2],
+}
+
+impl History {
+    /// Empty.
+    ///
+    /// # Errors
+    /// The shader does not compile, or the picture is too large for a buffer.
+    pub(crate) fn new(
+        gpu: &Gpu,
+        antialiasing: Antialiasing,
+        [width, height]: [u32; 2],
+    ) -> Result<Self, GpuError> {
+        let device = gpu.device();
+        let bytes = u64::from(width) * u64::from(height) * COLOUR_BYTES;
+        let buffer = |label, size, usage| {
+            let descriptor =
+                wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false };
+            device.create_buffer(&descriptor)
+        };
+        let colours =
+            [(); 2].map(|()| buffer("history", bytes, BufferUsages::STORAGE | BufferUsages::COPY_SRC));
+        let uniform_bytes = size_of::<Uniform>() as u64;
+        let uniform = buffer("temporal", uniform_bytes, BufferUsages::UNIFORM | BufferUsages::COPY_DST);
+        let storage = |binding, read_only| {
+            buffer_entry(binding, ShaderStages::COMPUTE, BufferBindingType::Storage { read_only })
+        };
+        let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some("temporal"),
+            entries: &[
+                buffer_entry(0, ShaderStages::COMPUTE, BufferBindingType::Uniform),
+                storage(1, true),
+                storage(2, true),
+                storage(3, false),
+            ],
+        });
+        let (piece, entry_point) = match antialiasing {
+            // Without adding up, the mean of one frame.
+            Antialiasing::None | Antialiasing::Accumulate => ("pass/accumulate", "cs_accumulate"),
+            Antialiasing::Taa => ("pass/taa", "cs_taa"),
+        };
+        let module = gpu.shader(piece, Linker::new().link(piece)?)?;
+        let pipeline = compute_pipeline(&device, "temporal", &[&layout], &module, entry_point);
+        gpu.check("the history")?;
+        Ok(Self { size: [width, height], antialiasing, count: 0, layout, pipeline, uniform, colours })
+    }
+
+    /// Records that the next frame is taken in. One frame a submission: its settings are written before it begins.
+    /// `alignment_px` as in [`sheer_render::contract::MethodInfo::alignment_px`], then frame index and seed of the dithering.
+    pub(crate) fn record(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        encoder: &mut wgpu::CommandEncoder,
+        timer: &mut Timer,
+        pixels: &wgpu::Buffer,
+        [alignment_px, frame, seed]: [u32; 3],
+    ) {
+        let count = if self.antialiasing == Antialiasing::None { 0 } else { self.count };
+        let uniform = Uniform { size: self.size, count, alignment_px, frame, seed, padding: [0; 2] };
+        queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&uniform));
+        let [old, new] = if self.count.is_multiple_of(2) { [1, 0] } else { [0, 1] };
+        let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("temporal"),
+            layout: &self.layout,
+            entries: &[
+                whole(0, &self.uniform),
+                whole(1, pixels),
+                whole(2, &self.colours[old]),
+                whole(3, &self.colours[new]),
+            ],
+        });
+        let timestamp_writes = timer.compute_writes(STEP);
+        let descriptor = wgpu::ComputePassDescriptor { label: Some(STEP), timestamp_writes };
+        let mut pass = encoder.begin_compute_pass(&descriptor);
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(0, &group, &[]);
+        let [columns, rows] = self.size.map(|side| side.div_ceil(GROUP_SIDE));
+        pass.dispatch_workgroups(columns, rows, 1);
+        drop(pass);
+        self.count += 1;
+    }
+
+    /// The picture so far, linear and premultiplied, row by row.
+    pub(crate) fn colour(&self) -> &wgpu::Buffer {
+        // Before the first frame there is nothing in either.
+        &self.colours[usize::from(self.count > 0 && self.count.is_multiple_of(2))]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec2;
+    use sheer_core::hash::Pcg32;
+    use sheer_image::{Image, Pixel, Planes};
+    use sheer_render::{Background, Shadow, cpu::FrameSettings, temporal::History as CpuHistory};
+    use wgpu::util::DeviceExt as _;
+
+    use super::*;
+    use crate::{
+        device::AdapterChoice,
+        pixels::{PixelRecord, read_planes},
+    };
+
+    /// No multiple of a workgroup's side.
+    const SIZE: [u32; 2] = [37, 21];
+    const SEED: u32 = 5;
+    /// The most that two results may differ: colours up to 1 go through sums of 49 terms of three products each, 49 · 2⁻²⁴ ≈ 3e-6, and
+    /// through a division by their standard deviation, which in noise is a third of the colours; devices divide and take roots with an error of
+    /// a few units in the last place. Each frame keeps nine tenths of the error of the one before: ten times that in the long run.
+    const ROUNDING: f32 = 3e-5;
+
+    /// A frame of noise, opaque and transparent, that moves by fractions of a pixel, by whole ones, not at all, and out of the picture.
+    fn noise(random: &mut Pcg32) -> Planes {
+        let mut planes = Planes::new(SIZE[0], SIZE[1]).unwrap();
+        let mut pixel = |_, _| {
+            let motion = match random.below(4) {
+                0 => [0.0; 2],
+                1 => [random.below(9) as f32 - 4.0, random.below(9) as f32 - 4.0],
+                2 => [random.range(-50.0, 50.0), random.range(-50.0, 50.0)],
+                _ => [random.range(-4.0, 4.0), random.range(-4.0, 4.0)],
+            };
+            let seen = random.below(8) > 0;
+            Pixel {
+                colour: [(); 4].map(|()| random.next_f32()),
+                motion,
+                depth: if seen { random.range(0.1, 9.0) } else { f32::INFINITY },
+                instance: if seen { random.below(9) } else { Planes::NO_ID },
+                primitive: if seen { random.below(99) } else { Planes::NO_ID },
+                transparent: random.below(2) == 1,
+            }
+        };
+        let pixels = Image::from_fn(SIZE[0], SIZE[1], &mut pixel).unwrap();
+        planes.colour = pixels.par_map(|pixel| pixel.colour);
+        planes.depth = pixels.par_map(|pixel| pixel.depth);
+        planes.motion = pixels.par_map(|pixel| pixel.motion);
+        planes.instance = pixels.par_map(|pixel| pixel.instance);
+        planes.primitive = pixels.par_map(|pixel| pixel.primitive);
+        planes.transparent = pixels.par_map(|pixel| pixel.transparent);
+        planes
+    }
+
+    fn records(planes: &Planes) -> Vec<PixelRecord> {
+        let places = (0..planes.height()).flat_map(|y| (0..planes.width()).map(move |x| (x, y)));
+        let record = |(x, y)| {
+            let pixel = planes.pixel(x, y);
+            PixelRecord {
+                colour: pixel.colour,
+                motion: pixel.motion,
+                depth: if pixel.depth.is_finite() { pixel.depth } else { 0.0 },
+                transparent: u32::from(pixel.transparent),
+                instance: pixel.instance,
+                primitive: pixel.primitive,
+                padding: [0; 2],
+            }
+        };
+        places.map(record).collect()
+    }
+
+    /// Adds frames up on the device, and reads the last state back.
+    fn on_device(
+        gpu: &Gpu,
+        antialiasing: Antialiasing,
+        frames: &[Planes],
+        [alignment_px, seed]: [u32; 2],
+    ) -> Planes {
+        let (device, queue) = (gpu.device(), gpu.queue());
+        let mut history = History::new(gpu, antialiasing, SIZE).unwrap();
+        let mut timer = Timer::new(&device, &queue, 1);
+        let mut planes = None;
+        for (frame, current) in (0..).zip(frames) {
+            let pixels = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+                label: None,
+                contents: bytemuck::cast_slice(&records(current)),
+                usage: BufferUsages::STORAGE | BufferUsages::COPY_SRC,
+            });
+            let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            history.record(&device, &queue, &mut encoder, &mut timer, &pixels, [alignment_px, frame, seed]);
+            queue.submit([encoder.finish()]);
+            gpu.check("adding up").unwrap();
+            planes = Some(read_planes(gpu, &pixels, history.colour(), SIZE).unwrap());
+        }
+        planes.unwrap()
+    }
+
+    fn on_processor(antialiasing: Antialiasing, frames: &[Planes], alignment_px: u32) -> Planes {
+        let mut history = CpuHistory::new(antialiasing, SIZE).unwrap();
+        for (frame, current) in (0..).zip(frames) {
+            let settings = FrameSettings {
+                size: SIZE,
+                frame,
+                seed: SEED,
+                jitter: Vec2::ZERO,
+                background: Background::None,
+                shadow: Shadow::default(),
+            };
+            history.add(current.clone(), alignment_px, &settings).unwrap();
+        }
+        history.planes().clone()
+    }
+
+    fn frames() -> Vec<Planes> {
+        let mut random = Pcg32::new(1, 0);
+        (0..12).map(|_| noise(&mut random)).collect()
+    }
+
+    fn largest_difference(a: &Planes, b: &Planes) -> f32 {
+        let values = |planes: &Planes| planes.colour.as_slice().as_flattened().to_vec();
+        values(a).iter().zip(values(b)).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max)
+    }
+
+    #[test]
+    fn frames_add_up_to_the_same_picture_as_on_the_processor() {
+        let gpu = Gpu::new(&AdapterChoice::Best).unwrap();
+        let frames = frames();
+        for antialiasing in Antialiasing::ALL {
+            for alignment_px in [1, 3] {
+                for count in [1, 2, 12] {
+                    let device = on_device(&gpu, antialiasing, &frames[..count], [alignment_px, SEED]);
+                    let processor = on_processor(antialiasing, &frames[..count], alignment_px);
+                    let difference = largest_difference(&device, &processor);
+                    let what = format!("{antialiasing}, aligned to {alignment_px}, {count} frames");
+                    assert!(difference <= ROUNDING, "{what}: {difference}");
+                    assert_eq!(Planes { colour: processor.colour.clone(), ..device }, processor, "{what}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_comparison_finds_another_seed_and_motion_that_is_not_aligned() {
+        let gpu = Gpu::new(&AdapterChoice::Best).unwrap();
+        let frames = frames();
+        let processor = on_processor(Antialiasing::Taa, &frames, 3);
+        for wrong in [[3, SEED + 1], [1, SEED]] {
+            let device = on_device(&gpu, Antialiasing::Taa, &frames, wrong);
+            assert!(largest_difference(&device, &processor) > 100.0 * ROUNDING, "{wrong:?}");
+        }
+    }
+}
