@@ -1,0 +1,166 @@
+//! Long runs, switches, and what goes wrong on purpose: the process lives and says what happened.
+#![expect(clippy::unwrap_used, reason = "a test that cannot begin has failed")]
+
+use std::{path::Path as FilePath, sync::Arc};
+
+use sheer_gpu::{AdapterChoice, Gpu, GpuError, PathChoice, Pipeline, Stage, Tracer};
+use sheer_render::{Antialiasing, Method, Settings};
+use sheer_scene::{CameraChoice, Scene};
+
+fn gpu() -> Arc<Gpu> {
+    Gpu::new(&AdapterChoice::Best).expect("the tests need a Vulkan driver: `cargo xtask test` installs one")
+}
+
+fn scene(text: &str) -> Arc<Scene> {
+    let file = FilePath::new(env!("CARGO_MANIFEST_DIR")).join("../../assets").join(text);
+    let text = if text.contains('/') { file.to_str().unwrap() } else { text };
+    Arc::new(sheer_scene::open(text).unwrap().scene)
+}
+
+fn settings(size: [u32; 2]) -> Settings {
+    Settings { size, ..Settings::default() }
+}
+
+fn method(text: &str) -> Method {
+    text.parse().unwrap()
+}
+
+fn std_pipeline(gpu: &Arc<Gpu>, size: [u32; 2]) -> Pipeline {
+    Pipeline::new(gpu, PathChoice::Automatic, method("std"), Antialiasing::Taa, settings(size)).unwrap()
+}
+
+fn stage(gpu: &Arc<Gpu>, text: &str) -> Stage {
+    Stage::new(gpu, scene(text), &CameraChoice::Default, None).unwrap()
+}
+
+/// Bytes of the process that lie in memory.
+#[cfg(target_os = "linux")]
+fn resident_bytes() -> u64 {
+    let pages = std::fs::read_to_string("/proc/self/statm").unwrap();
+    pages.split_whitespace().nth(1).unwrap().parse::<u64>().unwrap() * 4096
+}
+
+/// Skinned triangles that are new in each frame, and their acceleration structure with them.
+const MOVING: &str = "gltf/Fox/Fox.gltf";
+
+#[cfg(target_os = "linux")]
+#[test]
+fn five_hundred_frames_of_moving_geometry_take_no_more_memory_than_a_hundred() {
+    const SLACK_BYTES: u64 = 24 << 20;
+    let gpu = gpu();
+    let mut stage = stage(&gpu, MOVING);
+    let mut pipeline = std_pipeline(&gpu, [64, 36]);
+    let mut after_hundred = (0, 0);
+    for index in 0..500 {
+        stage.advance(pipeline.clock().at(index)).unwrap();
+        // Errors of validation come out here.
+        pipeline.render(&mut stage, index).unwrap();
+        if index == 100 {
+            after_hundred = (resident_bytes(), stage.bytes());
+        }
+    }
+    let (resident, on_device) = after_hundred;
+    assert_eq!(stage.bytes(), on_device, "the scene's buffers have grown");
+    let now = resident_bytes();
+    assert!(now < resident + SLACK_BYTES, "{resident} bytes after 100 frames, {now} after 500");
+}
+
+#[test]
+fn fifty_scenes_one_after_the_other_share_a_device() {
+    let gpu = gpu();
+    let mut pipeline = std_pipeline(&gpu, [64, 36]);
+    let texts = ["layers:count=3", MOVING, "gltf/VertexColorTest/VertexColorTest.gltf"];
+    for index in 0..50 {
+        let mut stage = stage(&gpu, texts[index as usize % texts.len()]);
+        stage.advance(pipeline.clock().at(index)).unwrap();
+        pipeline.render(&mut stage, index).unwrap();
+    }
+    assert!(pipeline.planes().unwrap().colour.as_slice().iter().flatten().all(|value| value.is_finite()));
+}
+
+#[test]
+fn pictures_of_every_size_come_from_one_stage() {
+    let gpu = gpu();
+    let mut stage = stage(&gpu, "layers:count=2");
+    for size in [[1, 1], [7, 5], [64, 36], [33, 200], [8, 8]] {
+        for choice in [PathChoice::Ray, PathChoice::Raster] {
+            let mut pipeline =
+                Pipeline::new(&gpu, choice, method("std"), Antialiasing::Taa, settings(size)).unwrap();
+            stage.advance(pipeline.clock().at(0)).unwrap();
+            pipeline.render(&mut stage, 0).unwrap();
+            assert_eq!(pipeline.planes().unwrap().colour.size(), (size[0], size[1]));
+        }
+    }
+}
+
+#[test]
+fn a_lost_device_is_replaced_and_the_frame_is_rendered_again() {
+    let gpu = gpu();
+    let mut stage = stage(&gpu, MOVING);
+    let mut pipeline =
+        Pipeline::new(&gpu, PathChoice::Ray, method("std"), Antialiasing::None, settings([64, 36])).unwrap();
+    let moment = pipeline.clock().at(3);
+    stage.advance(moment).unwrap();
+    pipeline.render(&mut stage, 3).unwrap();
+    let before = pipeline.planes().unwrap();
+
+    gpu.lose_device();
+    stage.advance(moment).unwrap();
+    pipeline.render(&mut stage, 3).unwrap();
+    assert_eq!(gpu.generation(), 1);
+    assert_eq!(pipeline.planes().unwrap(), before);
+}
+
+#[test]
+fn two_pipelines_of_a_stage_both_go_on_after_a_loss() {
+    let gpu = gpu();
+    let mut stage = stage(&gpu, "layers:count=2");
+    let mut pipelines = ["std", "roulette"].map(|text| {
+        Pipeline::new(&gpu, PathChoice::Ray, method(text), Antialiasing::None, settings([16, 9])).unwrap()
+    });
+    for round in 0..2 {
+        for pipeline in &mut pipelines {
+            pipeline.render(&mut stage, round).unwrap();
+            assert!(pipeline.planes().unwrap().colour.as_slice().iter().any(|colour| colour[3] > 0.0));
+        }
+        gpu.lose_device();
+    }
+}
+
+#[test]
+fn a_picture_too_large_says_so_and_leaves_the_device_usable() {
+    let gpu = gpu();
+    let too_large = settings([60_000, 60_000]);
+    let error =
+        Pipeline::new(&gpu, PathChoice::Ray, method("std"), Antialiasing::None, too_large).unwrap_err();
+    assert!(matches!(error, GpuError::Limit { .. }), "{error}");
+    assert!(error.to_string().contains("60000x60000"), "{error}");
+    assert_eq!(gpu.generation(), 0);
+    std_pipeline(&gpu, [16, 9]).render(&mut stage(&gpu, "layers:count=2"), 0).unwrap();
+}
+
+#[test]
+fn what_a_path_does_not_run_is_told_with_what_does() {
+    let gpu = gpu();
+    let refused = |choice, text: &str| {
+        let pipeline = Pipeline::new(&gpu, choice, method(text), Antialiasing::None, settings([16, 9]));
+        pipeline.unwrap_err().to_string()
+    };
+    let error = refused(PathChoice::Ray, "weighted");
+    assert!(error.contains("weighted") && error.contains("gpu:raster"), "{error}");
+}
+
+#[test]
+fn adapters_that_are_not_there_are_told_with_those_that_are() {
+    let error = Gpu::new(&AdapterChoice::Named("Voodoo 2".to_owned())).unwrap_err().to_string();
+    let name = gpu().report().name.clone();
+    assert!(error.contains("Voodoo 2") && error.contains(&name), "{error}");
+}
+
+#[test]
+fn without_ray_query_raster_is_taken_and_said_so() {
+    let gpu = Gpu::with_tracer(&AdapterChoice::Best, Some(Tracer::Bvh)).unwrap();
+    let pipeline = std_pipeline(&gpu, [16, 9]);
+    assert_eq!(pipeline.path(), sheer_gpu::Path::Raster);
+    assert!(pipeline.notes()[0].contains("no ray query"), "{:?}", pipeline.notes());
+}

@@ -1,0 +1,223 @@
+//! The GPU gives the CPU's pictures: every method that goes by rays, on both paths.
+//!
+//! What decides whether a fragment is shown is integer arithmetic and opacities by the CPU's own operations in the CPU's order, so that two
+//! backends differ where they find other hits: at the edges of triangles. A pixel counts as one of those if its neighbourhood holds another
+//! triangle or surface.
+#![expect(clippy::unwrap_used, reason = "a test that cannot begin has failed")]
+
+use std::{
+    path::Path as FilePath,
+    sync::{Arc, LazyLock},
+};
+
+use sheer_gpu::{AdapterChoice, Gpu, PathChoice, Pipeline, Stage, Tracer};
+use sheer_image::Planes;
+use sheer_render::{Antialiasing, Method, Settings};
+use sheer_scene::{CameraChoice, Scene};
+
+/// Three built-in scenes, two files, some with an opacity for everything.
+const SCENES: [(&str, Option<f32>); 5] = [
+    ("layers:count=6,alpha=0.3", None),
+    ("pane", None),
+    ("smoke-square", None),
+    ("gltf/Fox/Fox.gltf", Some(0.4)),
+    ("gltf/NegativeScaleTest/NegativeScaleTest.gltf", Some(0.6)),
+];
+/// Large enough that few pixels are edges.
+const SIZE: [u32; 2] = [256, 144];
+/// Share of pixels that may show another fragment.
+const OTHER_SHARE: f64 = 0.002;
+/// Colours of the same fragment differ by no more than this, relative to the larger one and to a display's white: half-float accuracy is 2⁻¹¹.
+const COLOUR_BOUND: f32 = 1.0 / 1024.0;
+
+static GPU: LazyLock<Arc<Gpu>> = LazyLock::new(|| {
+    Gpu::new(&AdapterChoice::Best).expect("the tests need a Vulkan driver: `cargo xtask test` installs one")
+});
+static OWN_TREE: LazyLock<Arc<Gpu>> = LazyLock::new(|| {
+    Gpu::with_tracer(&AdapterChoice::Best, Some(Tracer::Bvh)).expect("the tests need a Vulkan driver")
+});
+
+fn scene(text: &str, alpha: Option<f32>) -> Arc<Scene> {
+    let file = FilePath::new(env!("CARGO_MANIFEST_DIR")).join("../../assets").join(text);
+    let text = if text.contains('/') { file.to_str().unwrap() } else { text };
+    let scene = sheer_scene::open(text).unwrap().scene;
+    Arc::new(match alpha {
+        Some(alpha) => scene.with_alpha(alpha),
+        None => scene,
+    })
+}
+
+fn settings(seed: u32) -> Settings {
+    Settings { size: SIZE, seed, first_frame: 4, ..Settings::default() }
+}
+
+fn on_cpu(scene: &Arc<Scene>, method: &str) -> Planes {
+    let mut stage = sheer_render::Stage::new(Arc::clone(scene), &CameraChoice::Default, None).unwrap();
+    let method: Method = method.parse().unwrap();
+    let mut pipeline = sheer_render::Pipeline::new(method, Antialiasing::None, settings(0)).unwrap();
+    stage.advance(pipeline.clock().at(0));
+    pipeline.render(&stage, 0).unwrap();
+    pipeline.planes().clone()
+}
+
+fn on_gpu(gpu: &Arc<Gpu>, path: PathChoice, scene: &Arc<Scene>, method: &str, seed: u32) -> Planes {
+    let mut stage = Stage::new(gpu, Arc::clone(scene), &CameraChoice::Default, None).unwrap();
+    let method: Method = method.parse().unwrap();
+    let mut pipeline = Pipeline::new(gpu, path, method, Antialiasing::None, settings(seed)).unwrap();
+    stage.advance(pipeline.clock().at(0)).unwrap();
+    pipeline.render(&mut stage, 0).unwrap();
+    pipeline.planes().unwrap()
+}
+
+/// How two pictures differ.
+#[derive(Debug, Default)]
+struct Difference {
+    /// Pixels that show another fragment.
+    other: usize,
+    /// Those of them that are no edge in either picture.
+    other_inside: usize,
+    /// Pixels of the same fragment whose colours differ by more than the bound: where a ray of light grazes the edge of what shadows it.
+    colour: usize,
+    /// The largest difference among all others.
+    worst: f32,
+}
+
+impl Difference {
+    fn is_small(&self) -> bool {
+        let may_differ = OTHER_SHARE * pixels();
+        self.other_inside == 0 && self.other as f64 <= may_differ && self.colour as f64 <= may_differ
+    }
+}
+
+fn fragment(planes: &Planes, [x, y]: [u32; 2]) -> [u32; 2] {
+    [planes.instance[(x, y)], planes.primitive[(x, y)]]
+}
+
+/// Whether pixels around one show other fragments than it does.
+fn is_edge(planes: &Planes, [x, y]: [u32; 2]) -> bool {
+    let here = fragment(planes, [x, y]);
+    let columns = x.saturating_sub(1)..=(x + 1).min(SIZE[0] - 1);
+    let rows = y.saturating_sub(1)..=(y + 1).min(SIZE[1] - 1);
+    columns.flat_map(|x| rows.clone().map(move |y| [x, y])).any(|at| fragment(planes, at) != here)
+}
+
+fn difference(expected: &Planes, found: &Planes) -> Difference {
+    let mut difference = Difference::default();
+    for [x, y] in (0..SIZE[1]).flat_map(|y| (0..SIZE[0]).map(move |x| [x, y])) {
+        if fragment(expected, [x, y]) != fragment(found, [x, y]) {
+            difference.other += 1;
+            difference.other_inside += usize::from(!is_edge(expected, [x, y]) && !is_edge(found, [x, y]));
+            continue;
+        }
+        let pairs = expected.colour[(x, y)].into_iter().zip(found.colour[(x, y)]);
+        let worst = pairs.map(|(a, b)| (a - b).abs() / a.abs().max(b.abs()).max(1.0)).fold(0.0, f32::max);
+        if worst > COLOUR_BOUND {
+            difference.colour += 1;
+        } else {
+            difference.worst = difference.worst.max(worst);
+        }
+    }
+    difference
+}
+
+fn pixels() -> f64 {
+    f64::from(SIZE[0]) * f64::from(SIZE[1])
+}
+
+/// Holds a method against the CPU on all scenes.
+fn check(gpu: &Arc<Gpu>, path: PathChoice, method: &str) {
+    for (name, alpha) in SCENES {
+        let scene = scene(name, alpha);
+        let difference = difference(&on_cpu(&scene, method), &on_gpu(gpu, path, &scene, method, 0));
+        assert!(difference.is_small(), "{method} of {name} by {path:?}, {:?}: {difference:?}", gpu.tracer());
+    }
+}
+
+#[test]
+fn threshold_methods_show_the_cpus_fragments_by_rays() {
+    for method in
+        ["std", "roulette", "dtaa", "dtaa-unique", "hashed", "stbn", "std:rehash=9,identity=primitive"]
+    {
+        check(&GPU, PathChoice::Ray, method);
+    }
+}
+
+#[test]
+fn threshold_methods_show_the_cpus_fragments_by_raster() {
+    for method in ["std", "roulette", "dtaa", "dtaa-unique", "hashed", "stbn", "std:correction=dlss"] {
+        check(&GPU, PathChoice::Raster, method);
+    }
+}
+
+#[test]
+fn selection_shows_the_cpus_fragments_on_both_paths() {
+    for path in [PathChoice::Ray, PathChoice::Raster] {
+        check(&GPU, path, "joint");
+    }
+}
+
+#[test]
+fn the_exact_answer_is_the_cpus_on_both_paths() {
+    for path in [PathChoice::Ray, PathChoice::Raster] {
+        check(&GPU, path, "baseline");
+    }
+    check(&GPU, PathChoice::Ray, "baseline:trace=continuation");
+}
+
+#[test]
+fn hybrids_are_the_cpus_on_both_paths() {
+    for path in [PathChoice::Ray, PathChoice::Raster] {
+        check(&GPU, path, "std:hybrid=0.5,layers=3");
+    }
+}
+
+#[test]
+fn our_own_tree_leads_to_the_same_fragments() {
+    for method in ["std", "joint"] {
+        check(&OWN_TREE, PathChoice::Ray, method);
+    }
+}
+
+/// STD section 3.5 asks for "identical hit points" of both paths.
+#[test]
+fn rays_and_raster_pick_the_same_fragments() {
+    for (name, alpha) in SCENES {
+        let scene = scene(name, alpha);
+        let [ray, raster] =
+            [PathChoice::Ray, PathChoice::Raster].map(|path| on_gpu(&GPU, path, &scene, "std", 0));
+        let difference = difference(&ray, &raster);
+        assert!(difference.is_small(), "{name}: {difference:?}");
+    }
+}
+
+#[test]
+fn motion_depth_and_transparency_are_the_cpus() {
+    for (name, alpha) in SCENES {
+        let scene = scene(name, alpha);
+        let (expected, found) = (on_cpu(&scene, "std"), on_gpu(&GPU, PathChoice::Ray, &scene, "std", 0));
+        let all = (0..SIZE[1]).flat_map(|y| (0..SIZE[0]).map(move |x| [x, y]));
+        let same = all.filter(|&at| fragment(&expected, at) == fragment(&found, at));
+        let wrong = same.filter(|&[x, y]| {
+            let [depth, other_depth] = [&expected, &found].map(|planes| planes.depth[(x, y)]);
+            let [motion, other_motion] = [&expected, &found].map(|planes| planes.motion[(x, y)]);
+            let moved = motion.into_iter().zip(other_motion).any(|(a, b)| (a - b).abs() > 1e-2);
+            let far = depth != other_depth && (depth - other_depth).abs() > 1e-4 * depth.abs();
+            moved || far || expected.transparent[(x, y)] != found.transparent[(x, y)]
+        });
+        // Whether something transparent lies before a fragment is a matter of edges, too.
+        assert!(wrong.count() as f64 <= OTHER_SHARE * pixels(), "{name}");
+    }
+}
+
+#[test]
+fn another_seed_or_method_is_noticed() {
+    for (name, alpha) in SCENES {
+        let scene = scene(name, alpha);
+        let expected = on_cpu(&scene, "std");
+        let seed = difference(&expected, &on_gpu(&GPU, PathChoice::Ray, &scene, "std", 1));
+        let method = difference(&expected, &on_gpu(&GPU, PathChoice::Ray, &scene, "roulette", 0));
+        for difference in [seed, method] {
+            assert!(!difference.is_small(), "the check is blind on {name}: {difference:?}");
+        }
+    }
+}
