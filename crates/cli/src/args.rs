@@ -2,9 +2,10 @@
 
 use std::{fmt, fs, path::PathBuf, str::FromStr};
 
-use clap::{Args, Parser, Subcommand, builder::RangedU64ValueParser, value_parser};
+use clap::{Args, Parser, Subcommand, ValueEnum, builder::RangedU64ValueParser, value_parser};
 use glam::Vec3;
 use sheer_core::{colour::linear_from_srgb, coverage::Correction, parameter::split_name};
+use sheer_gpu::{AdapterChoice, PathChoice};
 use sheer_image::unit_from_u8;
 use sheer_render::{Antialiasing, Background, Method, Shadow};
 use sheer_scene::CameraChoice;
@@ -31,17 +32,19 @@ pub(crate) enum Command {
     Scenes(ListArguments),
     /// List the transparency methods.
     Methods(ListArguments),
+    /// List the GPUs of this machine and what they can run.
+    Devices(DevicesArguments),
     /// Render a picture or a sequence of frames.
     Render(RenderArguments),
     /// Compare methods with the exact answer: a table, a page and figures for programs.
     Compare(CompareArguments),
     /// Measure what methods cost.
     Bench(BenchArguments),
-    /// Measure what a method shows of ten opacities and fit the correction for it.
+    /// Measure what a method shows of ten opacities and fit the correction for it; on the CPU.
     Calibrate(CalibrateArguments),
-    /// Make the papers' figures again, measure them and write one report.
+    /// Make the papers' figures again, measure them and write one report; on the CPU.
     Experiments(ExperimentsArguments),
-    /// Check the papers' numbers and the methods' promises: closed form, printed, measured.
+    /// Check the papers' numbers and the methods' promises: closed form, printed, measured; on the CPU.
     Verify(VerifyArguments),
 }
 
@@ -50,6 +53,13 @@ pub(crate) struct ListArguments {
     /// Show the parameters as well, set as NAME:KEY=VALUE,KEY=VALUE.
     #[arg(long)]
     pub(crate) long: bool,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct DevicesArguments {
+    /// File for the same in JSON, - for stdout in place of the table.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) json: Option<PathBuf>,
 }
 
 #[derive(Args, Debug)]
@@ -71,6 +81,8 @@ pub(crate) struct RenderArguments {
     pub(crate) frames: FrameArguments,
     #[command(flatten)]
     pub(crate) light: LightArguments,
+    #[command(flatten)]
+    pub(crate) backend: BackendArguments,
     #[command(flatten)]
     pub(crate) machine: MachineArguments,
 }
@@ -96,6 +108,8 @@ pub(crate) struct CompareArguments {
     #[command(flatten)]
     pub(crate) light: LightArguments,
     #[command(flatten)]
+    pub(crate) backend: BackendArguments,
+    #[command(flatten)]
     pub(crate) machine: MachineArguments,
 }
 
@@ -117,6 +131,8 @@ pub(crate) struct BenchArguments {
     #[command(flatten)]
     pub(crate) light: LightArguments,
     #[command(flatten)]
+    pub(crate) backend: BackendArguments,
+    #[command(flatten)]
     pub(crate) machine: MachineArguments,
 }
 
@@ -136,6 +152,8 @@ pub(crate) struct CalibrateArguments {
     pub(crate) html: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) frames: FrameArguments,
+    #[command(flatten)]
+    _backend: CpuArguments,
     #[command(flatten)]
     pub(crate) machine: MachineArguments,
 }
@@ -160,6 +178,8 @@ pub(crate) struct ExperimentsArguments {
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub(crate) seed: u32,
     #[command(flatten)]
+    _backend: CpuArguments,
+    #[command(flatten)]
     pub(crate) machine: MachineArguments,
 }
 
@@ -168,6 +188,8 @@ pub(crate) struct VerifyArguments {
     /// File for the figures, - for stdout in place of the table.
     #[arg(long, value_name = "FILE")]
     pub(crate) json: Option<PathBuf>,
+    #[command(flatten)]
+    _backend: CpuArguments,
     #[command(flatten)]
     pub(crate) machine: MachineArguments,
 }
@@ -220,12 +242,35 @@ pub(crate) struct LightArguments {
     pub(crate) shadow: Shadow,
 }
 
+/// What renders.
+#[derive(Args, Clone, Debug)]
+pub(crate) struct BackendArguments {
+    /// cpu; gpu: rays where the GPU traces them itself and the method goes by rays, raster otherwise; gpu:ray or gpu:raster: that alone.
+    #[arg(long, default_value = "cpu")]
+    pub(crate) backend: Backend,
+    /// The GPU: its number or a part of its name, as `sheer devices` has them; the most capable if not given.
+    #[arg(long, value_name = "NAME|INDEX")]
+    pub(crate) adapter: Option<AdapterChoice>,
+}
+
+/// What renders, where the CPU alone is the judge.
+#[derive(Args, Clone, Copy, Debug)]
+struct CpuArguments {
+    /// cpu: this command has no other.
+    #[arg(id = "backend", long, value_name = "cpu", default_value = "cpu")]
+    _backend: OnlyCpu,
+}
+
+/// The one backend of some commands.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum OnlyCpu {
+    /// The processor.
+    Cpu,
+}
+
 /// Where and how loudly.
 #[derive(Args, Clone, Copy, Debug)]
 pub(crate) struct MachineArguments {
-    /// cpu, gpu, gpu:ray or gpu:raster.
-    #[arg(long, default_value = "cpu")]
-    pub(crate) backend: Backend,
     /// Threads to use; all processors if not given. The pictures are the same.
     #[arg(long, value_name = "N", value_parser = RangedU64ValueParser::<usize>::from(1..=1024))]
     pub(crate) threads: Option<usize>,
@@ -271,28 +316,38 @@ impl FromStr for Size {
 pub(crate) enum Backend {
     /// The processor.
     Cpu,
+    /// A GPU.
+    Gpu(PathChoice),
+}
+
+impl Backend {
+    /// All, in the order in which they are listed.
+    const ALL: [Self; 4] = [
+        Self::Cpu,
+        Self::Gpu(PathChoice::Automatic),
+        Self::Gpu(PathChoice::Ray),
+        Self::Gpu(PathChoice::Raster),
+    ];
+
+    /// The word on the command line.
+    pub(crate) fn word(self) -> &'static str {
+        match self {
+            Self::Cpu => "cpu",
+            Self::Gpu(PathChoice::Automatic) => "gpu",
+            Self::Gpu(PathChoice::Ray) => "gpu:ray",
+            Self::Gpu(PathChoice::Raster) => "gpu:raster",
+        }
+    }
 }
 
 impl FromStr for Backend {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        match text {
-            "cpu" => Ok(Self::Cpu),
-            "gpu" | "gpu:ray" | "gpu:raster" => {
-                Err("the GPU backend is not built into this version; use --backend cpu".to_owned())
-            }
-            _ => Err("there are: cpu, gpu, gpu:ray, gpu:raster".to_owned()),
-        }
-    }
-}
-
-impl Backend {
-    /// The word on the command line.
-    pub(crate) fn word(self) -> &'static str {
-        match self {
-            Self::Cpu => "cpu",
-        }
+        Self::ALL
+            .into_iter()
+            .find(|known| known.word() == text)
+            .ok_or_else(|| format!("there are: {}", Self::ALL.map(Self::word).join(", ")))
     }
 }
 

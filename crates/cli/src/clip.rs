@@ -1,10 +1,11 @@
 //! Methods that play the same clip and are held against the exact answer.
 
-use sheer_image::{Image, Metadata, ToneCurve, display_over_black, encode_png, u8_from_unit};
+use sheer_image::{Image, Metadata, Planes, ToneCurve, display_over_black, encode_png, u8_from_unit};
 use sheer_metrics::{Flicker, TemporalPsnr, bias, error_map, flip, psnr_db, rms, ssim, video_vdp_jod};
-use sheer_render::{Antialiasing, Clock, Method, Pipeline, Settings, Stage, contract::Memory};
+use sheer_render::{Antialiasing, Clock, Method, Settings, contract::Memory};
 
 use crate::{
+    backend::Renderer,
     report::{json::ComparisonRow, page::comparison::Entry},
     tally::Tally,
 };
@@ -36,8 +37,9 @@ pub(crate) struct Clip {
 }
 
 /// A method on its way through a clip.
-struct Contestant {
-    pipeline: Pipeline,
+struct Contestant<'m, P> {
+    method: &'m Method,
+    pipeline: P,
     tally: Tally,
     quality: Quality,
     /// The last half of the frames as a display shows them, where they are kept.
@@ -51,10 +53,9 @@ struct Shown {
 }
 
 impl Shown {
-    fn new(pipeline: &Pipeline) -> Self {
-        let colour = &pipeline.planes().colour;
-        let linear = colour.par_map(|&[r, g, b, _]| [r, g, b]);
-        Self { linear, displayed: display_over_black(colour, ToneCurve::default()) }
+    fn new(planes: &Planes) -> Self {
+        let linear = planes.colour.par_map(|&[r, g, b, _]| [r, g, b]);
+        Self { linear, displayed: display_over_black(&planes.colour, ToneCurve::default()) }
     }
 
     fn in_bytes(&self) -> Image<[u8; 3]> {
@@ -94,39 +95,42 @@ impl Quality {
 }
 
 impl Clip {
-    /// Renders all methods, the reference among them, frame by frame, so that a change in the machine's speed meets all of them and no clip has to be kept.
-    pub(crate) fn play(
+    /// Renders all methods, the reference among them, frame by frame, so that a change in the machine's speed meets all of them and no clip has
+    /// to be kept. `noted`: takes what the user should know; `rendered`: is called after every frame.
+    pub(crate) fn play<R: Renderer>(
         &self,
-        stage: &mut Stage,
+        renderer: &R,
+        stage: &mut R::Stage,
         methods: &[Method],
+        mut noted: impl FnMut(&str),
         mut rendered: impl FnMut(),
     ) -> anyhow::Result<Vec<Entry>> {
-        let contestant = |method: &Method| {
-            let pipeline = Pipeline::new(method.clone(), self.antialiasing, self.settings)?;
-            Ok(Contestant {
-                pipeline,
-                tally: Tally::default(),
-                quality: Quality::default(),
-                shown: Vec::new(),
-            })
+        let contestant = |method| {
+            let pipeline = renderer.pipeline(method, self.antialiasing, self.settings)?;
+            let (tally, quality) = (Tally::default(), Quality::default());
+            Ok(Contestant { method, pipeline, tally, quality, shown: Vec::new() })
         };
         let mut contestants = methods.iter().map(contestant).collect::<anyhow::Result<Vec<_>>>()?;
+        for contestant in &contestants {
+            renderer.notes(&contestant.pipeline).iter().for_each(|note| noted(note));
+        }
         let reference_at = methods.iter().position(|method| method.to_string() == REFERENCE);
         let reference_at = reference_at.expect("the reference was put among the methods");
+        let shown = |pipeline: &R::Pipeline| renderer.planes(pipeline).map(|planes| Shown::new(&planes));
         let clock = Clock::new(&self.settings, self.antialiasing);
         for index in 0..self.frame_count {
-            stage.advance(clock.at(index));
+            renderer.advance(stage, clock.at(index))?;
             for turn in 0..methods.len() {
                 // No method is always the first after the change of frame.
                 let contestant = &mut contestants[(turn + index as usize) % methods.len()];
-                contestant.tally.add(contestant.pipeline.render(stage, index)?);
+                contestant.tally.add(renderer.render(&mut contestant.pipeline, stage, index)?);
                 rendered();
             }
             // The history has settled in the last half.
             if index >= self.frame_count / 2 {
-                let reference = Shown::new(&contestants[reference_at].pipeline);
+                let reference = shown(&contestants[reference_at].pipeline)?;
                 for contestant in &mut contestants {
-                    let shown = Shown::new(&contestant.pipeline);
+                    let shown = shown(&contestant.pipeline)?;
                     contestant.quality.add(&reference, &shown)?;
                     if self.keeps_frames {
                         contestant.shown.push(shown.in_bytes());
@@ -134,13 +138,14 @@ impl Clip {
                 }
             }
         }
-        let reference = Shown::new(&contestants[reference_at].pipeline);
+        let reference = shown(&contestants[reference_at].pipeline)?;
         let reference_clip = &contestants[reference_at].shown;
         let entries = contestants.iter().enumerate().map(|(at, contestant)| {
             let vdp_jod = self
                 .keeps_frames
                 .then(|| video_vdp_jod(reference_clip, &contestant.shown, self.frames_per_sec()));
-            self.entry(contestant, (at != reference_at).then_some(&reference), vdp_jod.transpose()?)
+            let reference = (at != reference_at).then_some(&reference);
+            self.entry(contestant, &*renderer.planes(&contestant.pipeline)?, reference, vdp_jod.transpose()?)
         });
         entries.collect()
     }
@@ -154,19 +159,20 @@ impl Clip {
         1.0 / (moment.time_secs - moment.previous_secs)
     }
 
-    fn entry(
+    fn entry<P>(
         &self,
-        contestant: &Contestant,
+        contestant: &Contestant<'_, P>,
+        planes: &Planes,
         reference: Option<&Shown>,
         vdp_jod: Option<f64>,
     ) -> anyhow::Result<Entry> {
-        let Contestant { pipeline, tally, quality, .. } = contestant;
+        let Contestant { method, tally, quality, .. } = contestant;
         let [width, height] = self.settings.size;
         let pixels = f64::from(width) * f64::from(height);
         let hits_per_pixel = tally.hits() / pixels;
         let psnr_db = quality.mean(quality.psnr_db);
         let row = ComparisonRow {
-            method: pipeline.method().to_string(),
+            method: method.to_string(),
             aa: self.antialiasing.to_string(),
             ms_median: tally.ms(0.5),
             ms_min: tally.ms(0.0),
@@ -181,7 +187,7 @@ impl Clip {
             rms: quality.mean(quality.rms),
             shaded_per_pixel: tally.shaded() / pixels,
             hits_per_pixel,
-            memory_bytes_per_pixel: match pipeline.method().memory() {
+            memory_bytes_per_pixel: match method.memory() {
                 Memory::Bounded(bytes) => f64::from(bytes),
                 // Lists take their fragments from a pool that all pixels share: the mean is what fills it.
                 Memory::PerFragment(bytes) => f64::from(bytes) * hits_per_pixel,
@@ -189,13 +195,13 @@ impl Clip {
             merged_per_pixel: tally.merged() / pixels,
         };
         let plain = Metadata::default();
-        let picture = sheer_image::display(&pipeline.planes().colour, ToneCurve::default());
+        let picture = sheer_image::display(&planes.colour, ToneCurve::default());
         let error = |reference: &Shown| -> anyhow::Result<Vec<u8>> {
-            let map = error_map(&reference.displayed, &Shown::new(pipeline).displayed, ERROR_FULL_SCALE)?;
+            let map = error_map(&reference.displayed, &Shown::new(planes).displayed, ERROR_FULL_SCALE)?;
             Ok(encode_png(&map, &plain)?)
         };
         Ok(Entry {
-            info: pipeline.method().info(),
+            info: method.info(),
             row,
             frame_ms: tally.frame_ms(),
             picture_png: encode_png(&picture, &plain)?,

@@ -5,6 +5,7 @@ use std::{
     process::ExitCode,
 };
 
+use sheer_gpu::GpuError;
 use sheer_image::ImageError;
 use sheer_render::RenderError;
 use sheer_scene::SceneError;
@@ -55,20 +56,39 @@ fn is_broken_pipe(error: &anyhow::Error) -> bool {
 
 fn is_misuse(error: &anyhow::Error) -> bool {
     error.chain().any(|cause| {
-        let scene = match cause.downcast_ref::<RenderError>() {
-            Some(RenderError::Scene(scene)) => Some(scene),
-            _ => cause.downcast_ref::<SceneError>(),
-        };
-        let image = cause.downcast_ref::<ImageError>();
-        let render = cause.downcast_ref::<RenderError>();
         cause.is::<Misuse>()
-            || matches!(render, Some(RenderError::ShadowMaps { .. }))
-            || matches!(
-                scene,
-                Some(SceneError::Unknown(_) | SceneError::Parameter { .. } | SceneError::NoCamera { .. })
-            )
-            || matches!(image, Some(ImageError::UnknownExtension { .. }))
+            || cause.downcast_ref().is_some_and(is_misuse_of_gpu)
+            || cause.downcast_ref().is_some_and(is_misuse_of_renderer)
+            || cause.downcast_ref().is_some_and(is_misuse_of_scene)
+            || cause.downcast_ref().is_some_and(is_misuse_of_image)
     })
+}
+
+// Transparent errors stand in the chain for what they hold.
+
+fn is_misuse_of_gpu(error: &GpuError) -> bool {
+    match error {
+        GpuError::Scene(scene) => is_misuse_of_scene(scene),
+        GpuError::Image(image) => is_misuse_of_image(image),
+        GpuError::Render(render) => is_misuse_of_renderer(render),
+        _ => false,
+    }
+}
+
+fn is_misuse_of_renderer(error: &RenderError) -> bool {
+    match error {
+        RenderError::ShadowMaps { .. } => true,
+        RenderError::Scene(scene) => is_misuse_of_scene(scene),
+        _ => false,
+    }
+}
+
+fn is_misuse_of_scene(error: &SceneError) -> bool {
+    matches!(error, SceneError::Unknown(_) | SceneError::Parameter { .. } | SceneError::NoCamera { .. })
+}
+
+fn is_misuse_of_image(error: &ImageError) -> bool {
+    matches!(error, ImageError::UnknownExtension { .. })
 }
 
 #[cfg(test)]

@@ -3,12 +3,13 @@
 //! Each verb is a file in `command`; what it reports goes through `report`. Talk goes to stderr, machine output to stdout. Exit codes:
 //! 0 done, 1 failed, 2 wrong use, 130 interrupted.
 
-use std::process::ExitCode;
+use std::{env, process::ExitCode};
 
 use args::{Arguments, Command};
 use clap::Parser;
 
 mod args;
+mod backend;
 mod clip;
 mod command;
 mod failure;
@@ -25,6 +26,9 @@ const VERSION: &str = env!("CARGO_PKG_VERSION");
 
 fn main() -> ExitCode {
     output::finish_writing_when_interrupted();
+    if env::var_os("RUST_LOG").is_some() {
+        env_logger::init();
+    }
     let outcome = match Arguments::try_parse() {
         Ok(arguments) => run(&arguments.command),
         Err(usage) => failure::from_usage(&usage),
@@ -39,6 +43,7 @@ fn run(command: &Command) -> anyhow::Result<()> {
     match command {
         Command::Scenes(arguments) => command::scenes::run(arguments),
         Command::Methods(arguments) => command::methods::run(arguments),
+        Command::Devices(arguments) => command::devices::run(arguments),
         Command::Render(arguments) => command::render::run(arguments),
         Command::Compare(arguments) => command::compare::run(arguments),
         Command::Bench(arguments) => command::bench::run(arguments),

@@ -1,6 +1,6 @@
 //! From arguments to a stage that can be rendered.
 
-use std::{env, fs, path::Path, sync::Arc};
+use std::{path::Path, sync::Arc};
 
 use anyhow::Context as _;
 use rayon::ThreadPoolBuilder;
@@ -12,6 +12,7 @@ use sheer_scene::{CameraChoice, Scene};
 use crate::{
     COMMIT, VERSION,
     args::{FrameArguments, LightArguments, MachineArguments, SceneArguments, Size},
+    backend::{Cpu, Renderer},
     report::json::Run,
     talk::Talk,
 };
@@ -48,9 +49,9 @@ impl LightArguments {
 
 /// An opened scene.
 #[derive(Debug)]
-pub(crate) struct Opened {
-    /// Ready to be traced.
-    pub(crate) stage: Stage,
+pub(crate) struct Opened<S = Stage> {
+    /// Ready to be rendered.
+    pub(crate) stage: S,
     /// Identifies the scene's contents.
     pub(crate) hash: String,
 }
@@ -64,8 +65,13 @@ impl SceneArguments {
         file_name_from(stem.split(':').next().unwrap_or_default())
     }
 
-    /// Loads the scene and builds what rays need.
-    pub(crate) fn open(&self, machine: MachineArguments, talk: Talk) -> anyhow::Result<Opened> {
+    /// Loads the scene and builds what rendering needs.
+    pub(crate) fn open<R: Renderer>(
+        &self,
+        renderer: &R,
+        machine: MachineArguments,
+        talk: Talk,
+    ) -> anyhow::Result<Opened<R::Stage>> {
         let loaded = sheer_scene::open(&self.text)?;
         for warning in &loaded.warnings {
             talk.warn(format_args!("{}: {warning}", self.text));
@@ -77,7 +83,8 @@ impl SceneArguments {
         let scene = Arc::new(scene);
         let hash = hash(&scene);
         let camera = self.camera.clone().unwrap_or_default();
-        let stage = Stage::new(scene, &camera, machine.threads)
+        let stage = renderer
+            .stage(scene, &camera, machine.threads)
             .with_context(|| format!("cannot set up {}", self.text))?;
         Ok(Opened { stage, hash })
     }
@@ -116,6 +123,7 @@ fn hash(scene: &Scene) -> String {
 
 /// How a picture was made, for its file.
 pub(crate) fn metadata(
+    renderer: &impl Renderer,
     scene: &SceneArguments,
     method: &Method,
     aa: Antialiasing,
@@ -127,30 +135,32 @@ pub(crate) fn metadata(
         .with("aa", aa)
         .with("shadow", settings.shadow)
         .with("seed", settings.seed)
+        .with("backend", renderer.word())
         .with("commit", COMMIT)
         .with("version", VERSION)
 }
 
 /// How figures of many scenes came about.
-pub(crate) fn describe_many(machine: MachineArguments, settings: &Settings) -> Run {
+pub(crate) fn describe_many(settings: &Settings) -> Run {
     let scene = SceneArguments { text: "many".to_owned(), camera: None, alpha: None };
-    describe_scene(&scene, machine, String::new(), rayon::current_num_threads(), settings, 0)
+    describe_scene(&Cpu, &scene, String::new(), rayon::current_num_threads(), settings, 0)
 }
 
 /// How figures came about, for reports.
-pub(crate) fn describe(
+pub(crate) fn describe<R: Renderer>(
+    renderer: &R,
     scene: &SceneArguments,
-    machine: MachineArguments,
-    opened: &Opened,
+    opened: &Opened<R::Stage>,
     settings: &Settings,
     frames: u32,
 ) -> Run {
-    describe_scene(scene, machine, opened.hash.clone(), opened.stage.threads(), settings, frames)
+    let threads = renderer.threads(&opened.stage);
+    describe_scene(renderer, scene, opened.hash.clone(), threads, settings, frames)
 }
 
 fn describe_scene(
+    renderer: &impl Renderer,
     scene: &SceneArguments,
-    machine: MachineArguments,
     scene_hash: String,
     threads: usize,
     settings: &Settings,
@@ -171,20 +181,13 @@ fn describe_scene(
         first_frame: settings.first_frame,
         time_secs: settings.start_secs,
         shadow: settings.shadow.to_string(),
-        backend: machine.backend.word(),
-        adapter: processor(),
+        backend: renderer.word(),
+        adapter: renderer.adapter(),
         seed: settings.seed,
         version: VERSION,
         commit: COMMIT,
         threads,
     }
-}
-
-/// The processor's name where the system tells it, its architecture otherwise.
-fn processor() -> String {
-    let described = fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
-    let named = described.lines().find_map(|line| line.strip_prefix("model name")?.split_once(':'));
-    named.map_or_else(|| env::consts::ARCH.to_owned(), |(_, name)| name.trim().to_owned())
 }
 
 /// Each thing once, in the order in which they came first.

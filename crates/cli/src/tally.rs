@@ -1,13 +1,15 @@
 //! What frames cost, gathered over a run.
 
 use sheer_metrics::statistics::quantile;
-use sheer_render::{Counters, Timings};
+use sheer_render::{Counters, StepTime, Timings};
 
 /// The cost of each frame of one method.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Tally {
     frames: Vec<Timings>,
     sum: Counters,
+    /// Milliseconds of each frame that had the step, by its name, in the order in which steps came up.
+    steps: Vec<(&'static str, Vec<f64>)>,
 }
 
 impl Tally {
@@ -15,6 +17,21 @@ impl Tally {
     pub(crate) fn add(&mut self, (counters, timings): (Counters, Timings)) {
         self.frames.push(timings);
         self.sum = self.sum + counters;
+    }
+
+    /// Takes the steps of the next frame.
+    pub(crate) fn add_steps(&mut self, steps: &[StepTime]) {
+        for &StepTime { name, ms } in steps {
+            match self.steps.iter_mut().find(|(known, _)| *known == name) {
+                Some((_, all)) => all.push(ms),
+                None => self.steps.push((name, vec![ms])),
+            }
+        }
+    }
+
+    /// Each step and the median of its milliseconds.
+    pub(crate) fn steps(&self) -> impl Iterator<Item = (&'static str, f64)> {
+        self.steps.iter().map(|(name, ms)| (*name, quantile(ms, 0.5)))
     }
 
     /// Milliseconds of each frame, without temporal anti-aliasing.
@@ -65,5 +82,19 @@ impl Tally {
 
     fn per_frame(&self, sum: u64) -> f64 {
         sum as f64 / self.frames.len() as f64
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn steps_keep_their_order_and_have_their_median() {
+        let mut tally = Tally::default();
+        for ms in [1.0, 2.0, 9.0] {
+            tally.add_steps(&[StepTime { name: "trace", ms }, StepTime { name: "blend", ms: 0.5 }]);
+        }
+        assert_eq!(tally.steps().collect::<Vec<_>>(), [("trace", 2.0), ("blend", 0.5)]);
     }
 }

@@ -7,6 +7,7 @@ use sheer_render::{Antialiasing, Background, Method, Pipeline, Stage};
 
 use crate::{
     args::{CalibrateArguments, DEFAULT_SIZE, SceneArguments},
+    backend::Cpu,
     failure::Misuse,
     output::{self, TextOutput},
     report::{
@@ -39,7 +40,7 @@ pub(crate) fn run(arguments: &CalibrateArguments) -> anyhow::Result<()> {
     let file = arguments.output.as_deref().map(TextOutput::open).transpose()?;
 
     let scene = SceneArguments { text: "calibration".to_owned(), camera: None, alpha: None };
-    let mut opened = scene.open(arguments.machine, talk)?;
+    let mut opened = scene.open(&Cpu, arguments.machine, talk)?;
     let stage = &mut opened.stage;
     let method = &arguments.method;
     let mut pipeline = Pipeline::new(method.clone(), arguments.antialiasing, settings)?;
@@ -48,7 +49,7 @@ pub(crate) fn run(arguments: &CalibrateArguments) -> anyhow::Result<()> {
     let measured = shown_opacities(stage, &mut pipeline, areas, frames, || progress.inc(1))?;
     progress.finish_and_clear();
 
-    let run = setup::describe(&scene, arguments.machine, &opened, &settings, frames);
+    let run = setup::describe(&Cpu, &scene, &opened, &settings, frames);
     let calibration = calibration(run, method, arguments.antialiasing, measured)?;
     if let Some(output) = &html {
         let picture = display(&pipeline.planes().colour, ToneCurve::default());

@@ -4,6 +4,7 @@ use sheer_metrics::LEAST_VDP_SIDE_PX;
 
 use crate::{
     args::{COMPARE_SIZE, CompareArguments},
+    backend::{Renderer, Task},
     clip::{Clip, ERROR_FULL_SCALE, REFERENCE, with_reference},
     failure::Misuse,
     output,
@@ -16,6 +17,16 @@ use crate::{
 };
 
 pub(crate) fn run(arguments: &CompareArguments) -> anyhow::Result<()> {
+    arguments.backend.run(arguments)
+}
+
+impl Task for CompareArguments {
+    fn run_on(&self, renderer: &impl Renderer) -> anyhow::Result<()> {
+        compare(self, renderer)
+    }
+}
+
+fn compare<R: Renderer>(arguments: &CompareArguments, renderer: &R) -> anyhow::Result<()> {
     let talk = arguments.machine.apply()?;
     let folder = arguments.output.as_path();
     output::open_folder(folder)?;
@@ -28,13 +39,14 @@ pub(crate) fn run(arguments: &CompareArguments) -> anyhow::Result<()> {
     let frame_count = arguments.frames.frames;
     let methods = with_reference(without_repeats(&arguments.methods))?;
     let antialiasings = without_repeats(&arguments.antialiasings);
-    let mut opened = arguments.scene.open(arguments.machine, talk)?;
+    let mut opened = arguments.scene.open(renderer, arguments.machine, talk)?;
 
     let mut entries = Vec::new();
     let progress = talk.progress(u64::from(frame_count) * (methods.len() * antialiasings.len()) as u64);
     for &antialiasing in &antialiasings {
         let clip = Clip { settings, antialiasing, frame_count, keeps_frames: arguments.vdp };
-        entries.extend(clip.play(&mut opened.stage, &methods, || progress.inc(1))?);
+        let noted = |note: &str| progress.suspend(|| talk.warn(note));
+        entries.extend(clip.play(renderer, &mut opened.stage, &methods, noted, || progress.inc(1))?);
     }
     progress.finish_and_clear();
 
@@ -45,7 +57,7 @@ pub(crate) fn run(arguments: &CompareArguments) -> anyhow::Result<()> {
             output::write_file(&folder.join(format!("{stem}-error.png")), error)?;
         }
     }
-    let run = setup::describe(&arguments.scene, arguments.machine, &opened, &settings, frame_count);
+    let run = setup::describe(renderer, &arguments.scene, &opened, &settings, frame_count);
     let rows = entries.iter().map(|entry| entry.row.clone()).collect();
     let report = Comparison { run, reference: REFERENCE.to_owned(), rows };
     // What refers to the pictures comes last, so that an interrupted run leaves no report that lacks them.

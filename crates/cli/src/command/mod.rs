@@ -3,6 +3,7 @@
 pub(crate) mod bench;
 pub(crate) mod calibrate;
 pub(crate) mod compare;
+pub(crate) mod devices;
 pub(crate) mod experiments;
 pub(crate) mod methods;
 pub(crate) mod render;

@@ -2,16 +2,27 @@
 
 use std::path::{Path, PathBuf};
 
-use sheer_render::{Antialiasing, Pipeline};
+use sheer_render::{Antialiasing, Clock};
 
 use crate::{
     args::{DEFAULT_SIZE, RenderArguments},
+    backend::{Renderer, Task},
     output::{self, PictureOutput},
     setup,
     tally::Tally,
 };
 
 pub(crate) fn run(arguments: &RenderArguments) -> anyhow::Result<()> {
+    arguments.backend.run(arguments)
+}
+
+impl Task for RenderArguments {
+    fn run_on(&self, renderer: &impl Renderer) -> anyhow::Result<()> {
+        render(self, renderer)
+    }
+}
+
+fn render(arguments: &RenderArguments, renderer: &impl Renderer) -> anyhow::Result<()> {
     let talk = arguments.machine.apply()?;
     let settings = arguments.light.under(arguments.frames.settings(DEFAULT_SIZE));
     let antialiasing = arguments.antialiasing;
@@ -25,17 +36,19 @@ pub(crate) fn run(arguments: &RenderArguments) -> anyhow::Result<()> {
     };
     output.check(settings.first_frame)?;
 
-    let mut stage = arguments.scene.open(arguments.machine, talk)?.stage;
-    let mut pipeline = Pipeline::new(arguments.method.clone(), antialiasing, settings)?;
-    let metadata = setup::metadata(&arguments.scene, &arguments.method, antialiasing, &settings);
+    let mut stage = arguments.scene.open(renderer, arguments.machine, talk)?.stage;
+    let mut pipeline = renderer.pipeline(&arguments.method, antialiasing, settings)?;
+    renderer.notes(&pipeline).iter().for_each(|note| talk.warn(note));
+    let clock = Clock::new(&settings, antialiasing);
+    let metadata = setup::metadata(renderer, &arguments.scene, &arguments.method, antialiasing, &settings);
     let mut tally = Tally::default();
     let progress = talk.progress(u64::from(frame_count));
     for index in 0..frame_count {
-        stage.advance(pipeline.clock().at(index));
-        tally.add(pipeline.render(&stage, index)?);
+        renderer.advance(&mut stage, clock.at(index))?;
+        tally.add(renderer.render(&mut pipeline, &mut stage, index)?);
         if is_sequence || index + 1 == frame_count {
             let frame = settings.first_frame + index;
-            output.write(frame, pipeline.planes(), &metadata.clone().with("frame", frame))?;
+            output.write(frame, &*renderer.planes(&pipeline)?, &metadata.clone().with("frame", frame))?;
         }
         progress.inc(1);
     }

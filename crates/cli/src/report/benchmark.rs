@@ -1,8 +1,8 @@
 //! The columns of a benchmark.
 
 use super::{
-    figures::{Column, Figures},
-    json::{Benchmark, BenchmarkRow, Run},
+    figures::{Column, Datum, Figures},
+    json::{Benchmark, BenchmarkRow, Run, Step},
 };
 
 const fn column(
@@ -59,4 +59,23 @@ fn pixels(run: &Run) -> f64 {
 /// The table.
 pub(crate) fn figures(report: &Benchmark) -> Figures {
     Figures::new(&[("method", |row: &BenchmarkRow| row.method.clone())], COLUMNS, &report.run, &report.rows)
+}
+
+/// The passes of each method, where the GPU's clock has timed them.
+pub(crate) fn passes(report: &Benchmark) -> Option<Figures> {
+    let row = |row: &BenchmarkRow, step: &Step| {
+        let share = step.ms_median / row.steps.iter().map(|step| step.ms_median).sum::<f64>();
+        vec![
+            Datum::Word(row.method.clone()),
+            Datum::Word(step.name.to_owned()),
+            Datum::Number(Some(step.ms_median), 3),
+            Datum::Number(Some(share), 3),
+        ]
+    };
+    let rows: Vec<_> = report
+        .rows
+        .iter()
+        .flat_map(|method| method.steps.iter().map(move |step| row(method, step)))
+        .collect();
+    (!rows.is_empty()).then(|| Figures::of_data(&["method", "pass", "ms", "share"], rows))
 }

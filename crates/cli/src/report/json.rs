@@ -1,4 +1,4 @@
-//! Machine-readable reports. Names and types are the contract of `report.json`, `bench --json` and `verify --json`.
+//! Machine-readable reports. Names and types are the contract of `report.json` and of what `bench`, `verify` and `devices` write with `--json`.
 
 use serde::Serialize;
 
@@ -25,7 +25,7 @@ pub(crate) struct Run {
     pub(crate) shadow: String,
     /// What rendered.
     pub(crate) backend: &'static str,
-    /// The processor.
+    /// The processor, or the GPU with its driver.
     pub(crate) adapter: String,
     /// Seed of the dithering.
     pub(crate) seed: u32,
@@ -115,6 +115,51 @@ pub(crate) struct BenchmarkRow {
     pub(crate) shaded: f64,
     /// Million rays a second of tracing and shading.
     pub(crate) mray_per_s: f64,
+    /// The passes of a frame by the GPU's own clock, in order; missing where it has none and on the processor.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(crate) steps: Vec<Step>,
+}
+
+/// A pass of a frame.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct Step {
+    pub(crate) name: &'static str,
+    pub(crate) ms_median: f64,
+}
+
+/// `sheer devices --json`.
+#[derive(Debug, Serialize)]
+pub(crate) struct Devices {
+    pub(crate) version: &'static str,
+    pub(crate) commit: &'static str,
+    /// The one that is taken where none is named comes first.
+    pub(crate) devices: Vec<Device>,
+}
+
+/// A GPU and what it can run.
+#[derive(Debug, Serialize)]
+pub(crate) struct Device {
+    /// What `--adapter` takes.
+    pub(crate) index: usize,
+    pub(crate) name: String,
+    /// `discrete`, `integrated`, `virtual`, `software` or `unknown`.
+    #[serde(rename = "type")]
+    pub(crate) kind: &'static str,
+    pub(crate) driver: String,
+    /// The interface it is reached through.
+    pub(crate) api: String,
+    /// Whether it traces rays itself.
+    pub(crate) ray_query: bool,
+    /// Whether it times passes itself.
+    pub(crate) timestamps: bool,
+    /// Samples a pixel that pictures may have beside one.
+    pub(crate) msaa: Vec<u32>,
+    /// The largest buffer that a shader reads.
+    pub(crate) max_storage_bytes: u64,
+    /// Backends that run on it.
+    pub(crate) paths: Vec<&'static str>,
+    /// The one that `--backend gpu` is for methods that go by rays.
+    pub(crate) automatic: &'static str,
 }
 
 /// `sheer verify --json`.

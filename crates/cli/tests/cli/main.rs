@@ -4,6 +4,7 @@ mod bench;
 mod calibrate;
 mod compare;
 mod experiments;
+mod gpu;
 mod interruption;
 mod render;
 mod run;

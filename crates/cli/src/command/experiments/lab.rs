@@ -7,6 +7,7 @@ use sheer_scene::CameraChoice;
 
 use crate::{
     args::{MachineArguments, SceneArguments},
+    backend::Cpu,
     clip::{Clip, with_reference},
     report::{
         chart::{Axis, Plot, Series},
@@ -71,7 +72,7 @@ impl Lab<'_> {
         };
         let scene = SceneArguments { text: scene.to_owned(), camera: Some(camera), alpha };
         // What a file asks for in vain was said when the user rendered it; here it would drown the findings.
-        scene.open(self.machine, Talk { quiet: true })
+        scene.open(&Cpu, self.machine, Talk { quiet: true })
     }
 
     /// Settings of a clip.
@@ -91,9 +92,9 @@ impl Lab<'_> {
             keeps_frames: false,
         };
         self.progress.set_message(format!("{:<14}", take.scene.split(':').next().unwrap_or_default()));
-        let entries = clip.play(&mut opened.stage, &methods, || self.progress.inc(1))?;
+        let entries = clip.play(&Cpu, &mut opened.stage, &methods, |_| (), || self.progress.inc(1))?;
         let scene = SceneArguments { text: take.scene.to_owned(), camera: None, alpha: take.alpha };
-        let run = setup::describe(&scene, self.machine, &opened, &clip.settings, take.frames);
+        let run = setup::describe(&Cpu, &scene, &opened, &clip.settings, take.frames);
         Ok(Played { command: take.command(self.size), run, entries })
     }
 

@@ -200,7 +200,7 @@ pub(crate) fn run(arguments: &ExperimentsArguments) -> anyhow::Result<()> {
     }
     lab.progress.finish_and_clear();
 
-    let run = setup::describe_many(arguments.machine, &lab.settings(0.0));
+    let run = setup::describe_many(&lab.settings(0.0));
     let report = Experiments { run, sections };
     write(&report, folder)?;
     output::print(&report.verdicts())?;

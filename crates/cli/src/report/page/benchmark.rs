@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::fill;
 use crate::report::{
-    benchmark::figures,
+    benchmark::{figures, passes},
     chart::{Axis, Chart, Plot, Series},
     figures::Figures,
     json::{Benchmark, Run},
@@ -14,6 +14,7 @@ use crate::report::{
 struct Context<'a> {
     run: &'a Run,
     figures: Figures,
+    passes: Option<Figures>,
     time: Chart,
 }
 
@@ -21,7 +22,10 @@ struct Context<'a> {
 pub(crate) fn text(report: &Benchmark) -> anyhow::Result<String> {
     let lines = report.rows.iter().map(|row| (row.method.as_str(), row.ms.as_slice()));
     let time = time_chart(report.run.first_frame, lines);
-    fill("benchmark.html", Context { run: &report.run, figures: figures(report), time })
+    fill(
+        "benchmark.html",
+        Context { run: &report.run, figures: figures(report), passes: passes(report), time },
+    )
 }
 
 /// Milliseconds of each frame, a line for each method.
@@ -44,7 +48,7 @@ mod tests {
         super::tests::{assert_sound, run_of},
         *,
     };
-    use crate::report::json::BenchmarkRow;
+    use crate::report::json::{BenchmarkRow, Step};
 
     #[test]
     fn the_page_needs_nothing_but_itself() {
@@ -61,9 +65,13 @@ mod tests {
             rays: 64.0,
             shaded: 32.0,
             mray_per_s: 1.0,
+            steps: Vec::new(),
         };
         assert_sound(|scene| {
             text(&Benchmark { run: run_of(scene), rows: vec![row("std"), row("roulette")] }).unwrap()
         });
+        let timed = BenchmarkRow { steps: vec![Step { name: "trace", ms_median: 0.625 }], ..row("std") };
+        let page = |row| text(&Benchmark { run: run_of("layers"), rows: vec![row] }).unwrap();
+        assert!(page(timed).contains("0.625") && !page(row("std")).contains("Passes"));
     }
 }

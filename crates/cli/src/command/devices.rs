@@ -1,0 +1,76 @@
+//! `sheer devices`: the GPUs of this machine and what they can run.
+
+use sheer_gpu::{AdapterReport, GpuError, adapters};
+
+use crate::{
+    COMMIT, VERSION,
+    args::DevicesArguments,
+    output::{self, TextOutput},
+    report::{
+        json::{self, Device, Devices},
+        table::Table,
+    },
+};
+
+pub(crate) fn run(arguments: &DevicesArguments) -> anyhow::Result<()> {
+    let json = arguments.json.as_deref().map(TextOutput::open).transpose()?;
+    let devices: Vec<Device> = adapters().into_iter().enumerate().map(device).collect();
+    if devices.is_empty() {
+        return Err(GpuError::NoAdapter { problem: "no adapter was found".to_owned() }.into());
+    }
+    let report = Devices { version: VERSION, commit: COMMIT, devices };
+    if let Some(output) = &json {
+        output.write(&json::text(&report)?)?;
+        if output.is_stdout() {
+            return Ok(());
+        }
+    }
+    output::print(&table(&report.devices).text())
+}
+
+fn device((index, report): (usize, AdapterReport)) -> Device {
+    let AdapterReport { name, kind, driver, api, ray_query, timestamps, msaa, max_storage_bytes, .. } =
+        report;
+    // Without ray query, rays go through our own tree, and by themselves methods are drawn.
+    let automatic = if ray_query { "gpu:ray" } else { "gpu:raster" };
+    let paths = vec!["gpu:ray", "gpu:raster"];
+    Device {
+        index,
+        name,
+        kind,
+        driver,
+        api,
+        ray_query,
+        timestamps,
+        msaa,
+        max_storage_bytes,
+        paths,
+        automatic,
+    }
+}
+
+fn table(devices: &[Device]) -> Table {
+    let titles = ["#", "name", "type", "api", "driver", "ray query", "timestamps", "MSAA", "--backend gpu"];
+    let mut table = Table::new(&titles);
+    let yes_or_no = |is_so: bool| if is_so { "yes" } else { "no" }.to_owned();
+    for device in devices {
+        let msaa: Vec<String> = device.msaa.iter().map(|samples| format!("×{samples}")).collect();
+        table.add(vec![
+            device.index.to_string(),
+            device.name.clone(),
+            device.kind.to_owned(),
+            device.api.clone(),
+            device.driver.clone(),
+            yes_or_no(device.ray_query),
+            yes_or_no(device.timestamps),
+            if msaa.is_empty() { "–".to_owned() } else { msaa.join(" ") },
+            format!("{} ({} too)", device.automatic, other_path(device)),
+        ]);
+    }
+    table
+}
+
+/// What is to be had by asking for it.
+fn other_path(device: &Device) -> &'static str {
+    device.paths.iter().find(|path| **path != device.automatic).copied().unwrap_or(device.automatic)
+}
