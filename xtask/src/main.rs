@@ -8,6 +8,7 @@ use std::{
 use anyhow::{Context as _, ensure};
 use clap::{Parser, Subcommand};
 
+mod driver;
 mod gallery;
 mod results;
 mod rules;

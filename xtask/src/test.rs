@@ -5,7 +5,9 @@ use std::{
     process::{Command, Stdio},
 };
 
-use crate::{call, call_with, rules};
+use anyhow::ensure;
+
+use crate::{call, call_with, driver, rules};
 
 /// Browsers that can look at the pages, as the library that drives them finds them.
 const BROWSERS: [&str; 4] = ["google-chrome-stable", "chromium", "chromium-browser", "chrome"];
@@ -30,22 +32,37 @@ fn install() -> anyhow::Result<()> {
             call("rustup", &["component", "add", component])?;
         }
     }
+    if !answers("apt-get") {
+        // The tests say what they miss.
+        return Ok(());
+    }
     let has_browser = env::var_os("CHROME").is_some() || BROWSERS.into_iter().any(answers);
-    if !has_browser && answers("apt-get") {
+    if !has_browser {
         // Recommended packages would bring a desktop; letters are needed all the same.
         apt_get(&["update"])?;
         apt_get(&["install", "--yes", "--no-install-recommends", "chromium", "fonts-dejavu-core"])?;
     }
-    // Elsewhere the tests say what they miss.
-    Ok(())
+    driver::install()
 }
 
 /// Runs apt-get without questions, with the rights that it takes.
-fn apt_get(arguments: &[&str]) -> anyhow::Result<()> {
+pub(crate) fn apt_get(arguments: &[&str]) -> anyhow::Result<()> {
+    eprintln!("$ apt-get {}", arguments.join(" "));
+    let mut command = as_root("env")?;
+    let status = command.args(["DEBIAN_FRONTEND=noninteractive", "apt-get"]).args(arguments).status()?;
+    ensure!(status.success(), "apt-get {} failed", arguments.join(" "));
+    Ok(())
+}
+
+/// A program with the rights of the administrator.
+pub(crate) fn as_root(program: &str) -> anyhow::Result<Command> {
     let id = Command::new("id").arg("-u").output()?;
-    let quiet = ["env", "DEBIAN_FRONTEND=noninteractive", "apt-get"];
-    let (program, quiet) = if id.stdout == b"0\n" { (quiet[0], &quiet[1..]) } else { ("sudo", &quiet[..]) };
-    call(program, &[quiet, arguments].concat())
+    if id.stdout == b"0\n" {
+        return Ok(Command::new(program));
+    }
+    let mut command = Command::new("sudo");
+    command.arg(program);
+    Ok(command)
 }
 
 /// Whether a program is there and runs.
