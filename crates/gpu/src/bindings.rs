@@ -1,8 +1,13 @@
 //! Bind groups that all passes have in common: 0 the scene and the frame, 1 the pixels that come of it and the shadow maps.
 
-use wgpu::{BindGroupLayoutEntry, BindingType, BufferBindingType, ShaderStages};
+use wgpu::{BindGroupLayoutEntry, BindingType, BufferBindingType, BufferUsages, ShaderStages};
 
-use crate::{GpuError, device::Tracer, raster::Parts, shadow::ShadowMaps, stage::Stage};
+use crate::{
+    GpuError,
+    device::{Gpu, Tracer},
+    shadow::ShadowMaps,
+    stage::Stage,
+};
 
 /// Binding of the uniform of shaders/shared/frame.wgsl.
 const FRAME: u32 = 0;
@@ -150,27 +155,37 @@ pub(crate) fn group(
     (layout, group)
 }
 
-/// A storage buffer of so many bytes a pixel and some more.
+/// A buffer that starts with zeros.
+pub(crate) fn buffer(device: &wgpu::Device, label: &str, size: u64, usage: BufferUsages) -> wgpu::Buffer {
+    device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some(label),
+        size,
+        usage,
+        mapped_at_creation: false,
+    })
+}
+
+/// A storage buffer of so many bytes a pixel, and so many more.
 pub(crate) fn storage(
-    parts: &Parts<'_>,
+    gpu: &Gpu,
+    [width, height]: [u32; 2],
     label: &str,
-    bytes_per_pixel: u64,
-    more_bytes: u64,
-    usage: wgpu::BufferUsages,
+    [bytes_per_pixel, more_bytes]: [u64; 2],
+    usage: BufferUsages,
 ) -> Result<wgpu::Buffer, GpuError> {
-    let [width, height] = parts.size.map(u64::from);
-    let size = bytes_per_pixel * width * height + more_bytes;
-    let device = parts.gpu.device();
+    let size = bytes_per_pixel * u64::from(width) * u64::from(height) + more_bytes;
+    let device = gpu.device();
     let limits = device.limits();
     let limit = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
-    if size > limit {
-        let what = format!("{label} of a picture of {width}x{height} pixels");
-        let instead = "take a smaller --size".to_owned();
-        return Err(GpuError::Limit { what, needed: size, limit, instead });
+    if size > limit || size == 0 {
+        return Err(GpuError::Limit {
+            what: format!("{label} of a picture of {width}x{height} pixels"),
+            needed: size,
+            limit,
+            instead: "take a size within that, and not zero".to_owned(),
+        });
     }
-    let usage = usage | wgpu::BufferUsages::STORAGE;
-    let descriptor = wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false };
-    let buffer = device.create_buffer(&descriptor);
-    parts.gpu.check(label)?;
+    let buffer = buffer(&device, label, size, usage | BufferUsages::STORAGE);
+    gpu.check(label)?;
     Ok(buffer)
 }

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use sheer_accel::{Bvh, PackedTree};
 
-use crate::GpuError;
+use crate::{GpuError, bindings::buffer_entry};
 
 /// Bytes before the first node: the root's box and reference, see `BvhNodes` in shared/accel_bvh.wgsl.
 const HEADER_BYTES: u64 = size_of::<Header>() as u64;
@@ -111,16 +111,7 @@ fn block_bytes(tree: &PackedTree<'_>) -> u64 {
 
 /// The layout of a storage buffer that shaders read.
 pub(crate) fn storage_layout(binding: u32, visibility: wgpu::ShaderStages) -> wgpu::BindGroupLayoutEntry {
-    wgpu::BindGroupLayoutEntry {
-        binding,
-        visibility,
-        ty: wgpu::BindingType::Buffer {
-            ty: wgpu::BufferBindingType::Storage { read_only: true },
-            has_dynamic_offset: false,
-            min_binding_size: None,
-        },
-        count: None,
-    }
+    buffer_entry(binding, visibility, wgpu::BufferBindingType::Storage { read_only: true })
 }
 
 /// A larger buffer if `buffer` has fewer than `needed` bytes: half again as large as before, or as needed.

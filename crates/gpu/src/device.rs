@@ -260,13 +260,7 @@ impl Gpu {
         if let Some(reason) = &faults.lost {
             return Err(GpuError::DeviceLost { reason: reason.clone() });
         }
-        let Some(error) = errors.into_iter().next() else { return Ok(()) };
-        Err(match error {
-            wgpu::Error::OutOfMemory { .. } => GpuError::OutOfMemory { what: what.to_owned() },
-            wgpu::Error::Validation { description, .. } | wgpu::Error::Internal { description, .. } => {
-                GpuError::Refused { what: what.to_owned(), problem: description }
-            }
-        })
+        errors.into_iter().next().map_or(Ok(()), |error| Err(told(error, what)))
     }
 
     /// Compiles a linked shader.
@@ -295,6 +289,16 @@ impl Gpu {
         let result = self.device().poll(wgpu::PollType::wait_indefinitely());
         self.check("waiting for the device")?;
         result.map(|_| ()).map_err(|error| GpuError::DeviceLost { reason: error.to_string() })
+    }
+}
+
+/// An error of wgpu as one of ours; `what` was being done.
+fn told(error: wgpu::Error, what: &str) -> GpuError {
+    match error {
+        wgpu::Error::OutOfMemory { .. } => GpuError::OutOfMemory { what: what.to_owned() },
+        wgpu::Error::Validation { description, .. } | wgpu::Error::Internal { description, .. } => {
+            GpuError::Refused { what: what.to_owned(), problem: description }
+        }
     }
 }
 
@@ -366,5 +370,46 @@ fn choose(choice: &AdapterChoice) -> Result<wgpu::Adapter, GpuError> {
             let known = known.collect::<Vec<_>>().join("; ");
             Err(GpuError::NoAdapter { problem: format!("there is no adapter '{wanted}'; there are {known}") })
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_bad_shader_is_told_with_its_place_and_the_device_lives() {
+        let gpu = Gpu::new(&AdapterChoice::Best).expect("the tests need a Vulkan driver");
+        let text = "@compute @workgroup_size(1)\nfn cs_slip() { let x = nothing; }\n";
+        let error = gpu.shader("pass/slip", text.to_owned()).unwrap_err().to_string();
+        assert!(error.contains("pass/slip") && error.contains("nothing") && error.contains("2:"), "{error}");
+        gpu.check("what came before").unwrap();
+        gpu.shader("pass/right", text.replace("nothing", "1")).unwrap();
+    }
+
+    #[test]
+    fn what_wgpu_refuses_is_told_once_and_the_device_lives() {
+        let gpu = Gpu::new(&AdapterChoice::Best).expect("the tests need a Vulkan driver");
+        let device = gpu.device();
+        let size = device.limits().max_buffer_size + 4;
+        let usage = wgpu::BufferUsages::STORAGE;
+        let _ = device.create_buffer(&wgpu::BufferDescriptor {
+            label: None,
+            size,
+            usage,
+            mapped_at_creation: false,
+        });
+        let error = gpu.check("a buffer beyond all bounds").unwrap_err();
+        assert!(
+            matches!(&error, GpuError::Refused { what, .. } if what.contains("beyond all bounds")),
+            "{error}"
+        );
+        gpu.check("the same again").unwrap();
+    }
+
+    #[test]
+    fn memory_that_runs_out_is_named_with_a_way_out() {
+        let error = told(wgpu::Error::OutOfMemory { source: "none left".into() }, "list nodes").to_string();
+        assert!(error.contains("no memory left for list nodes") && error.contains("--size"), "{error}");
     }
 }

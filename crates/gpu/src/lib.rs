@@ -12,6 +12,7 @@ mod pixels;
 mod probe;
 mod raster;
 mod ray;
+mod recording;
 pub mod scene;
 mod shader;
 mod shadow;

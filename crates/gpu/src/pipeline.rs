@@ -11,18 +11,19 @@ use wgpu::{BufferUsages, util::DeviceExt};
 
 use crate::{
     GpuError,
-    bindings::Layouts,
+    bindings::{Layouts, buffer, storage},
     bvh,
     device::{Gpu, Tracer},
     frame::{FrameUniform, Shot},
     pixels::{PIXEL_BYTES, read_planes},
-    raster::{self, RasterPath, stochastic::Sampling},
+    raster::{RasterPath, stochastic::Sampling},
     ray::{RayPath, Search},
+    recording::{Groups, Recording},
     shader::Linker,
-    shadow::{MapRays, MapSettings, ShadowMaps},
+    shadow::{self, MapRays, MapSettings, ShadowMaps},
     stage::Stage,
     tables::Tables,
-    temporal::History,
+    temporal::{self, History},
     timing::Timer,
 };
 
@@ -54,33 +55,6 @@ const COUNTER_BYTES: u64 = 4 * COUNTER_COUNT as u64;
 const SURFACE_BYTES: u64 = 16;
 /// Passes of a frame that are timed: those of 64 peeled layers, and what comes with them.
 const MOST_PASSES: u32 = 256;
-/// The step that frame times leave out (STD section 4).
-const RESOLVE_STEP: &str = "temporal";
-
-/// Groups 0 and 1, as passes bind them.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Groups<'a> {
-    pub(crate) scene: &'a wgpu::BindGroup,
-    pub(crate) pass: &'a wgpu::BindGroup,
-}
-
-/// A frame that is being recorded.
-pub(crate) struct Recording<'a> {
-    pub(crate) encoder: &'a mut wgpu::CommandEncoder,
-    pub(crate) timer: &'a mut Timer,
-    /// Pixels.
-    pub(crate) size: [u32; 2],
-    /// Of the scene.
-    pub(crate) triangle_count: u32,
-}
-
-impl Recording<'_> {
-    /// A compute pass whose time counts as that of step `name`.
-    pub(crate) fn compute_pass(&mut self, name: &'static str) -> wgpu::ComputePass<'_> {
-        let timestamp_writes = self.timer.compute_writes(name);
-        self.encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some(name), timestamp_writes })
-    }
-}
 
 /// What runs a method.
 #[derive(Debug)]
@@ -259,13 +233,14 @@ impl Pipeline {
     }
 }
 
-/// By the device's clock where it has one, else by ours, which counts everything as tracing.
+/// By the device's clock where it has one, else by ours, which counts everything as tracing. Adding up over time is no part of a frame (STD
+/// section 4).
 fn timings(build_ms: f64, wall_ms: f64, steps: &[StepTime]) -> Timings {
     let sum = |temporal: bool| -> f64 {
-        steps.iter().filter(|step| (step.name == RESOLVE_STEP) == temporal).map(|step| step.ms).sum()
+        steps.iter().filter(|step| (step.name == temporal::STEP) == temporal).map(|step| step.ms).sum()
     };
     let trace_ms = if steps.is_empty() { wall_ms } else { sum(false) };
-    let shadow_ms = steps.iter().filter(|step| step.name == raster::SHADOW_STEP).map(|step| step.ms).sum();
+    let shadow_ms = steps.iter().filter(|step| step.name == shadow::STEP).map(|step| step.ms).sum();
     Timings { build_ms, trace_ms, shadow_ms, resolve_ms: sum(true) }
 }
 
@@ -281,7 +256,7 @@ impl Resources {
         let device = gpu.device();
         let maps = MapSettings::of(&settings.shadow)?;
         let layouts = Layouts::new(&device, gpu.tracer(), maps.is_some());
-        let pixels = per_pixel(gpu, "pixels", settings.size, PIXEL_BYTES)?;
+        let pixels = storage(gpu, settings.size, "pixels", [PIXEL_BYTES, 0], BufferUsages::COPY_SRC)?;
         let usage = BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
         let counters = buffer(&device, "counters", COUNTER_BYTES, usage);
         let read = BufferUsages::MAP_READ | BufferUsages::COPY_DST;
@@ -297,7 +272,7 @@ impl Resources {
             contents: bytemuck::cast_slice(&table_words.words),
             usage: BufferUsages::STORAGE,
         });
-        let surfaces = per_pixel(gpu, "surfaces", settings.size, SURFACE_BYTES)?;
+        let surfaces = storage(gpu, settings.size, "surfaces", [SURFACE_BYTES, 0], BufferUsages::empty())?;
         let mut linker = base_linker(gpu.tracer()).constants(table_words.constants());
         if let Some(maps) = maps {
             linker = linker.alias("shadow", "shared/shadow_map").constants(maps.constants());
@@ -366,7 +341,7 @@ impl Resources {
         }
         match &mut self.executor {
             Executor::Ray(path) => path.record(&mut recording, &groups),
-            Executor::Raster(path) => path.record(&mut recording, &groups)?,
+            Executor::Raster(path) => path.record(&mut recording, &groups),
         }
         self.history.record(
             &device,
@@ -412,37 +387,4 @@ pub(crate) fn base_linker(tracer: Tracer) -> Linker {
         // What a camera ray goes through, which on the raster path is something else.
         .alias("camera", traverse)
         .alias("shadow", "shared/shadow_deep")
-}
-
-fn buffer(device: &wgpu::Device, label: &str, size: u64, usage: BufferUsages) -> wgpu::Buffer {
-    device.create_buffer(&wgpu::BufferDescriptor {
-        label: Some(label),
-        size,
-        usage,
-        mapped_at_creation: false,
-    })
-}
-
-/// A buffer of so many bytes a pixel.
-fn per_pixel(
-    gpu: &Gpu,
-    label: &str,
-    [width, height]: [u32; 2],
-    bytes: u64,
-) -> Result<wgpu::Buffer, GpuError> {
-    let device = gpu.device();
-    let needed = u64::from(width) * u64::from(height) * bytes;
-    let limits = device.limits();
-    let limit = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
-    if needed > limit || needed == 0 {
-        return Err(GpuError::Limit {
-            what: format!("a picture of {width}x{height} pixels"),
-            needed,
-            limit,
-            instead: "take a size within that, and not zero".to_owned(),
-        });
-    }
-    let buffer = buffer(&device, label, needed, BufferUsages::STORAGE | BufferUsages::COPY_SRC);
-    gpu.check(label)?;
-    Ok(buffer)
 }

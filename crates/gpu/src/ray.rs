@@ -9,7 +9,7 @@ use crate::{
     GpuError,
     bindings::{Layouts, compute_pipeline},
     device::Gpu,
-    pipeline::{Groups, Recording},
+    recording::{Groups, Recording},
     shader::Linker,
 };
 

@@ -15,11 +15,10 @@ use wgpu::{BindGroupEntry, BindGroupLayoutEntry, BufferBindingType, BufferUsages
 
 use crate::{
     GpuError,
-    bindings::{Layouts, buffer_entry, compute_pipeline, whole},
+    bindings::{Layouts, buffer, buffer_entry, compute_pipeline, whole},
     device::Gpu,
     frame::Shot,
-    pipeline::Recording,
-    raster::SHADOW_STEP,
+    recording::{GROUP_SIDE, Recording},
     shader::{
         Linker,
         constants::{self, Constant},
@@ -27,8 +26,8 @@ use crate::{
     stage::Stage,
 };
 
-/// Columns and rows of texels of a workgroup; the entry point of shaders/pass/shadow_map.wgsl has the same.
-const GROUP_SIDE: u32 = 8;
+/// The step in which maps are made.
+pub(crate) const STEP: &str = "shadow maps";
 
 /// The technique's parameters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -158,13 +157,7 @@ pub(crate) struct ShadowMaps {
 }
 
 fn storage(device: &wgpu::Device, label: &str, size: u64) -> wgpu::Buffer {
-    let usage = BufferUsages::STORAGE | BufferUsages::COPY_DST;
-    device.create_buffer(&wgpu::BufferDescriptor {
-        label: Some(label),
-        size,
-        usage,
-        mapped_at_creation: false,
-    })
+    buffer(device, label, size, BufferUsages::STORAGE | BufferUsages::COPY_DST)
 }
 
 impl ShadowMaps {
@@ -176,13 +169,13 @@ impl ShadowMaps {
     ) -> Result<Self, GpuError> {
         let device = gpu.device();
         let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-            label: Some(SHADOW_STEP),
+            label: Some(STEP),
             entries: &Self::layout_entries(ShaderStages::COMPUTE, false),
         });
         let piece = "pass/shadow_map";
         let module = gpu.shader(piece, linker.link(piece)?)?;
         let groups = [&layouts.scene, &layout];
-        let pipeline = compute_pipeline(&device, SHADOW_STEP, &groups, &module, "cs_shadow_map");
+        let pipeline = compute_pipeline(&device, STEP, &groups, &module, "cs_shadow_map");
         // Shaders need something to bind before there is a light.
         let [lights, faces] = ["shadow lights", "shadow faces"].map(|label| storage(&device, label, 64));
         let map = storage(&device, "shadow map", 64);
@@ -275,7 +268,7 @@ impl ShadowMaps {
         if lights == 0 {
             return;
         }
-        let mut pass = recording.compute_pass(SHADOW_STEP);
+        let mut pass = recording.compute_pass(STEP);
         pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, scene, &[]);
         pass.set_bind_group(1, &self.group, &[]);
@@ -290,7 +283,7 @@ fn own_group(
     [lights, faces, map]: [&wgpu::Buffer; 3],
 ) -> wgpu::BindGroup {
     device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: Some(SHADOW_STEP),
+        label: Some(STEP),
         layout,
         entries: &[whole(2, lights), whole(3, faces), whole(4, map)],
     })

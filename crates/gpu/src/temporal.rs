@@ -6,15 +6,14 @@ use wgpu::{BufferBindingType, BufferUsages, ShaderStages};
 
 use crate::{
     GpuError,
-    bindings::{buffer_entry, compute_pipeline, whole},
+    bindings::{buffer, buffer_entry, compute_pipeline, storage, whole},
     device::Gpu,
     pixels::COLOUR_BYTES,
+    recording::GROUP_SIDE,
     shader::Linker,
     timing::Timer,
 };
 
-/// Columns and rows of pixels that a workgroup fills, in both shaders.
-const GROUP_SIDE: u32 = 8;
 /// What the time of adding up counts as.
 pub(crate) const STEP: &str = "temporal";
 
@@ -54,26 +53,21 @@ impl History {
         [width, height]: [u32; 2],
     ) -> Result<Self, GpuError> {
         let device = gpu.device();
-        let bytes = u64::from(width) * u64::from(height) * COLOUR_BYTES;
-        let buffer = |label, size, usage| {
-            let descriptor =
-                wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false };
-            device.create_buffer(&descriptor)
-        };
-        let colours =
-            [(); 2].map(|()| buffer("history", bytes, BufferUsages::STORAGE | BufferUsages::COPY_SRC));
+        let colour = || storage(gpu, [width, height], "history", [COLOUR_BYTES, 0], BufferUsages::COPY_SRC);
+        let colours = [colour()?, colour()?];
         let uniform_bytes = size_of::<Uniform>() as u64;
-        let uniform = buffer("temporal", uniform_bytes, BufferUsages::UNIFORM | BufferUsages::COPY_DST);
-        let storage = |binding, read_only| {
+        let uniform =
+            buffer(&device, "temporal", uniform_bytes, BufferUsages::UNIFORM | BufferUsages::COPY_DST);
+        let list = |binding, read_only| {
             buffer_entry(binding, ShaderStages::COMPUTE, BufferBindingType::Storage { read_only })
         };
         let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
             label: Some("temporal"),
             entries: &[
                 buffer_entry(0, ShaderStages::COMPUTE, BufferBindingType::Uniform),
-                storage(1, true),
-                storage(2, true),
-                storage(3, false),
+                list(1, true),
+                list(2, true),
+                list(3, false),
             ],
         });
         let (piece, entry_point) = match antialiasing {

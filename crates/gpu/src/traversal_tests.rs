@@ -486,17 +486,3 @@ fn a_scene_that_moves_grows_and_empties_is_traced_right() {
         }
     }
 }
-
-#[test]
-#[ignore = "measures"]
-fn rays_a_second() {
-    let device = Device::open();
-    let triangles = soup(&mut Random(11 << 16), 100_000);
-    let rays = rays(&mut Random(12 << 16), &triangles, 1 << 16, false);
-    for tracer in [Tracer::Query, Tracer::Bvh] {
-        for _ in 0..3 {
-            println!("{tracer:?}");
-            device.trace(tracer, &triangles, &rays, u32::MAX);
-        }
-    }
-}

@@ -1,4 +1,4 @@
-// What a frame costs (`Counters`): summed over a workgroup first, so that the frame's counters are not fought over.
+// What a frame costs (`Counters`): summed up in registers, added to the frame's counters once an invocation.
 #import shared/pass
 
 struct Counted {

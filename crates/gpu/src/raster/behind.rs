@@ -6,7 +6,7 @@ use super::{Opaque, Parts};
 use crate::{
     GpuError,
     bindings::{compute_pipeline, group, texture_entry, texture_in},
-    pipeline::{Groups, Recording},
+    recording::{Groups, Recording},
 };
 
 /// Its shader, one for all methods.

@@ -3,7 +3,7 @@
 use wgpu::{BlendState, ColorTargetState, ColorWrites, CompareFunction, TextureFormat};
 
 use super::{DEPTH_FORMAT, Parts};
-use crate::pipeline::{Groups, Recording};
+use crate::recording::{Groups, Recording};
 
 /// How all triangles are drawn in a pass.
 pub(crate) struct Draw<'a> {
@@ -94,26 +94,4 @@ impl Recording<'_> {
         }
         pass.draw(0..3 * self.triangle_count, 0..1);
     }
-
-    /// One invocation a pixel, in a pass whose time counts as that of step `name`.
-    pub(crate) fn for_each_pixel(
-        &mut self,
-        name: &'static str,
-        pipeline: &wgpu::ComputePipeline,
-        groups: &Groups<'_>,
-        own: Option<&wgpu::BindGroup>,
-    ) {
-        let [width, height] = self.size;
-        let mut pass = self.compute_pass(name);
-        pass.set_pipeline(pipeline);
-        pass.set_bind_group(0, groups.scene, &[]);
-        pass.set_bind_group(1, groups.pass, &[]);
-        if let Some(own) = own {
-            pass.set_bind_group(2, own, &[]);
-        }
-        pass.dispatch_workgroups(width.div_ceil(GROUP_SIDE), height.div_ceil(GROUP_SIDE), 1);
-    }
 }
-
-/// Columns and rows of pixels of a workgroup; the entry points of shaders/pass have the same.
-const GROUP_SIDE: u32 = 8;

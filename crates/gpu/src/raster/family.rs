@@ -16,7 +16,7 @@ use super::{
 use crate::{
     GpuError,
     bindings::{buffer_entry, compute_pipeline, storage, texture_entry, texture_in, whole},
-    pipeline::{Groups, Recording},
+    recording::{Groups, Recording},
 };
 
 /// A method's passes.
@@ -64,9 +64,13 @@ impl Made {
                 let target = Target::new(parts, label, DEPTH_FORMAT, drawn_to)?;
                 Self::Texture { target, format: DEPTH_FORMAT, clear: wgpu::Color::WHITE }
             }
-            Resource::Storage { label, bytes_per_pixel } => {
-                Self::Buffer(storage(parts, label, bytes_per_pixel, 0, BufferUsages::COPY_DST)?)
-            }
+            Resource::Storage { label, bytes_per_pixel } => Self::Buffer(storage(
+                parts.gpu,
+                parts.size,
+                label,
+                [bytes_per_pixel, 0],
+                BufferUsages::COPY_DST,
+            )?),
         })
     }
 

@@ -9,8 +9,8 @@ use super::{Opaque, Parts, behind::Behind, draw::Draw, plan::Plan, target::Targe
 use crate::{
     GpuError,
     bindings::{buffer_entry, compute_pipeline, group, storage, texture_entry, texture_in, whole},
-    pipeline::{Groups, Recording},
     ray::{Search, Shade},
+    recording::{Groups, Recording},
     shader::Linker,
 };
 
@@ -99,8 +99,15 @@ impl Lists {
     ) -> Result<Self, GpuError> {
         let (gpu, device) = (parts.gpu, parts.gpu.device());
         let opaque = Opaque::new(parts)?;
-        let heads = storage(parts, "list heads", HEAD_BYTES, HEAD_BYTES, BufferUsages::COPY_DST)?;
-        let nodes = storage(parts, "list nodes", node_bytes_per_pixel(parts), 0, BufferUsages::empty())?;
+        let heads =
+            storage(parts.gpu, parts.size, "list heads", [HEAD_BYTES, HEAD_BYTES], BufferUsages::COPY_DST)?;
+        let nodes = storage(
+            parts.gpu,
+            parts.size,
+            "list nodes",
+            [node_bytes_per_pixel(parts), 0],
+            BufferUsages::empty(),
+        )?;
         let usage = TextureUsages::RENDER_ATTACHMENT | TextureUsages::TEXTURE_BINDING;
         let [sums, transmittance] = TAIL_FORMATS;
         let tail = [

@@ -18,8 +18,8 @@ use crate::{
     GpuError,
     bindings::Layouts,
     device::Gpu,
-    pipeline::{Groups, Recording},
     ray::Search,
+    recording::{Groups, Recording},
     shader::Linker,
 };
 
@@ -31,9 +31,6 @@ mod plan;
 pub(crate) mod stochastic;
 mod target;
 mod visibility;
-
-/// The step in which shadow maps are made.
-pub(crate) const SHADOW_STEP: &str = "shadow maps";
 
 /// How a method is drawn.
 #[derive(Debug)]
@@ -100,18 +97,13 @@ impl RasterPath {
         })
     }
 
-    pub(crate) fn record(
-        &mut self,
-        recording: &mut Recording<'_>,
-        groups: &Groups<'_>,
-    ) -> Result<(), GpuError> {
+    pub(crate) fn record(&self, recording: &mut Recording<'_>, groups: &Groups<'_>) {
         match &self.technique {
             Technique::Visibility(visibility) => visibility.record(recording, groups),
             Technique::Lists(lists) => lists.record(recording, groups),
             Technique::Family(family) => family.record(recording, groups),
             Technique::Stochastic(stochastic) => stochastic.record(recording, groups),
         }
-        Ok(())
     }
 
     /// Bytes of what the method keeps, beyond the pixels that come of it.

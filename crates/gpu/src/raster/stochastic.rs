@@ -28,7 +28,7 @@ use crate::{
     GpuError,
     bindings::{buffer_entry, compute_pipeline, group, storage, texture_entry, texture_in, whole},
     device::AdapterReport,
-    pipeline::{Groups, Recording},
+    recording::{Groups, Recording},
 };
 
 /// Its id.
@@ -191,9 +191,10 @@ impl Stochastic {
         let device = parts.gpu.device();
         let opaque = Opaque::new(parts)?;
         let targets = Targets::new(parts, sampling)?;
-        let told = storage(parts, "told", TOLD_BYTES, 0, BufferUsages::COPY_DST)?;
+        let told = storage(parts.gpu, parts.size, "told", [TOLD_BYTES, 0], BufferUsages::COPY_DST)?;
         let sums_bytes = if sampling.rounds > 1 { SUMS_BYTES } else { 0 };
-        let ended_rounds = storage(parts, "ended rounds", sums_bytes, SUMS_BYTES, BufferUsages::COPY_DST)?;
+        let ended_rounds =
+            storage(parts.gpu, parts.size, "ended rounds", [sums_bytes, SUMS_BYTES], BufferUsages::COPY_DST)?;
 
         let round_numbers = RoundNumbers::new(parts, sampling.rounds);
         let mut layouts = None;

@@ -6,8 +6,8 @@ use super::{DEPTH_FORMAT, NO_SURFACE, Parts, SURFACE_FORMAT, draw::Draw, target:
 use crate::{
     GpuError,
     bindings::{buffer_entry, compute_pipeline, group, storage, texture_entry, texture_in, whole},
-    pipeline::{Groups, Recording},
     ray::Shade,
+    recording::{Groups, Recording},
 };
 
 /// Of each pixel: distance of the nearest partly transparent fragment, and how many were tested.
@@ -35,7 +35,8 @@ impl Visibility {
         let usage = TextureUsages::RENDER_ATTACHMENT | TextureUsages::TEXTURE_BINDING;
         let surface = Target::new(parts, "visible surface", SURFACE_FORMAT, usage)?;
         let depth = Target::new(parts, "visible depth", DEPTH_FORMAT, TextureUsages::RENDER_ATTACHMENT)?;
-        let tested = storage(parts, "tested fragments", TESTED_BYTES, 0, BufferUsages::COPY_DST)?;
+        let tested =
+            storage(parts.gpu, parts.size, "tested fragments", [TESTED_BYTES, 0], BufferUsages::COPY_DST)?;
 
         let (draw_layout, draw_group) =
             group(&device, "visibility", &[buffer_entry(0, fragment, read_write)], &[whole(0, &tested)]);

@@ -42,11 +42,18 @@ struct Device {
 
 impl Device {
     fn open() -> Self {
+        Self::with_limits(|_| ())
+    }
+
+    /// With less than the adapter allows.
+    fn with_limits(lower: impl FnOnce(&mut wgpu::Limits)) -> Self {
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
         let adapter =
             pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default())).unwrap();
+        let mut required_limits = adapter.limits();
+        lower(&mut required_limits);
         let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
-            required_limits: adapter.limits(),
+            required_limits,
             ..wgpu::DeviceDescriptor::default()
         }))
         .unwrap();
@@ -280,4 +287,33 @@ fn a_frame_of_other_times_is_sent_without_new_buffers_once_there_is_room() {
     }
     assert!(grown <= 3, "{grown} times");
     assert!(buffers.bytes() >= bytes);
+}
+
+#[test]
+fn too_many_lights_are_told_with_what_to_do_and_the_device_lives() {
+    const LIMIT: u64 = 1 << 17;
+    let Device { device, queue } =
+        Device::with_limits(|limits| limits.max_storage_buffer_binding_size = LIMIT);
+    let parts = sheer_scene::open("layers").unwrap().scene.parts().clone();
+    let with_lights = |count| {
+        let mut parts = parts.clone();
+        parts.nodes.push(sheer_scene::model::Node {
+            name: String::new(),
+            parent: None,
+            transform: sheer_scene::model::Transform::IDENTITY,
+        });
+        let light = sheer_scene::model::Light {
+            name: String::new(),
+            node: parts.nodes.len() as u32 - 1,
+            intensity: Vec3::ONE,
+            kind: sheer_scene::model::LightKind::Directional,
+        };
+        parts.lights = vec![light; count];
+        let scene = Arc::new(sheer_scene::Scene::new(parts).unwrap());
+        let camera = scene.camera(&CameraChoice::Default).unwrap();
+        SceneBuffers::new(&device, &queue, Animator::new(scene, camera).frame())
+    };
+    let error = with_lights(10_000).unwrap_err().to_string();
+    assert!(error.contains("lights") && error.contains("--backend cpu"), "{error}");
+    with_lights(10).unwrap();
 }
