@@ -71,7 +71,7 @@ pub(crate) struct FrameUniform {
     pub(crate) reach: f32,
     pub(crate) hybrid_visibility: f32,
     pub(crate) hybrid_layers: u32,
-    pub(crate) frame_padding: u32,
+    pub(crate) inverse_height: f32,
 }
 
 /// What differs from pipeline to pipeline and from frame to frame.
@@ -124,7 +124,7 @@ impl FrameUniform {
             reach: extent.reach(frame.camera()),
             hybrid_visibility: shot.hybrid.visibility,
             hybrid_layers: shot.hybrid.layers.unwrap_or(u32::MAX),
-            frame_padding: 0,
+            inverse_height: (shot.size[1] as f32).recip(),
         }
     }
 }

@@ -5,6 +5,8 @@
 
 use std::sync::OnceLock;
 
+use bytemuck::Zeroable as _;
+use glam::{UVec2, Vec3};
 use sheer_core::{
     coverage::Correction,
     hash::{Pcg32, mcguire3, pcg, pcg2d, pcg3d, pcg4d, unit_from_bits},
@@ -14,6 +16,7 @@ use sheer_render::{
     Method,
     contract::{self, Compositing, Selection, Site, Threshold, Visitor},
 };
+use sheer_scene::{CameraPose, Lens};
 use wgpu::{
     BindGroupEntry, BindGroupLayout, BindGroupLayoutEntry, BindingType, Buffer, BufferBindingType,
     BufferUsages, ShaderStages,
@@ -21,6 +24,7 @@ use wgpu::{
 };
 
 use crate::{
+    frame::FrameUniform,
     shader::{Linker, constants::Constant},
     tables::Tables,
 };
@@ -58,6 +62,11 @@ fn storage(binding: u32, read_only: bool) -> BindGroupLayoutEntry {
 
 /// What a probe writes for its inputs: `words_out` for each.
 fn run(shader: &str, tables: &Tables, input: &[u32], words_out: usize) -> Vec<u32> {
+    run_in(&FrameUniform::zeroed(), shader, tables, input, words_out)
+}
+
+/// The same where a probe asks for what a frame is rendered with.
+fn run_in(frame: &FrameUniform, shader: &str, tables: &Tables, input: &[u32], words_out: usize) -> Vec<u32> {
     let (device, queue, _) = device();
     let buffer = |words: &[u32], usage| {
         let contents = bytemuck::cast_slice(words);
@@ -82,8 +91,18 @@ fn run(shader: &str, tables: &Tables, input: &[u32], words_out: usize) -> Vec<u3
             entries: &entries,
         })
     };
-    let layouts = [layout(&[storage(14, true)]), layout(&[storage(0, true), storage(1, false)])];
-    let groups = [group(&layouts[0], &[(14, &tables)]), group(&layouts[1], &[(0, &input), (1, &output)])];
+    let uniform = BindGroupLayoutEntry {
+        ty: BindingType::Buffer {
+            ty: BufferBindingType::Uniform,
+            has_dynamic_offset: false,
+            min_binding_size: None,
+        },
+        ..storage(0, true)
+    };
+    let frame = buffer(bytemuck::cast_slice(bytemuck::bytes_of(frame)), BufferUsages::UNIFORM);
+    let layouts = [layout(&[uniform, storage(14, true)]), layout(&[storage(0, true), storage(1, false)])];
+    let groups =
+        [group(&layouts[0], &[(0, &frame), (14, &tables)]), group(&layouts[1], &[(0, &input), (1, &output)])];
     let pipeline = pipeline(shader, &layouts);
     let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
     {
@@ -147,7 +166,7 @@ fn hashes(v: [u32; 4]) -> [u32; HASH_COLUMNS] {
     let [x, y, z, _] = v;
     let ([a, b], [c, d, e], [f, g, h, i]) = (pcg2d([x, y]), pcg3d([x, y, z]), pcg4d(v));
     let product = (u64::from(x) * u64::from(y)) >> 32;
-    let sine = mcguire3(glam::Vec3::from([x, y, z].map(|number| (number % 1000) as f32)));
+    let sine = mcguire3(Vec3::from([x, y, z].map(|number| (number % 1000) as f32)));
     [
         pcg(x),
         a,
@@ -259,6 +278,44 @@ fn opacities_are_decided_upon_as_on_the_cpu() {
             let bound = if correction == Correction::NONE { 0.0 } else { 3.0 * 2.0 * f32::EPSILON };
             assert!((coverage - wanted).abs() <= bound, "{correction:?} of {alpha}: {coverage}, {wanted}");
             assert_eq!(row[1] == 1, contract::keeps(alpha, || threshold), "{alpha} against {threshold}");
+        }
+    }
+}
+
+/// A ray's last bit decides which of two surfaces is in front that lie in one plane, so that the rays have to be the same.
+#[test]
+fn rays_of_the_camera_are_those_of_the_cpu() {
+    const SIZE: [u32; 2] = [331, 187];
+    let mut random = Pcg32::new(16, 0);
+    let input: Vec<u32> =
+        (0..COUNT).flat_map(|_| SIZE.map(|side| random.range(0.0, side as f32).to_bits())).collect();
+    let [eye, target] = [Vec3::new(3.1, 1.7, -5.3), Vec3::new(-0.4, 0.9, 2.2)];
+    let poses = [Lens::Perspective { yfov_rad: 0.7 }, Lens::Orthographic { half_height: 2.3 }]
+        .map(|lens| CameraPose::looking_at(lens, eye, target));
+    for pose in &poses {
+        let frame = FrameUniform {
+            camera: pose.into(),
+            size: SIZE,
+            inverse_height: (SIZE[1] as f32).recip(),
+            ..FrameUniform::zeroed()
+        };
+        let shader = Linker::new().link("probe/camera").unwrap();
+        let rows = run_in(&frame, &shader, &Tables::new(false, [0, 0]), &input, 6);
+        let expected: Vec<[u32; 6]> = input
+            .as_chunks()
+            .0
+            .iter()
+            .map(|place: &[u32; 2]| {
+                let ray = pose.ray(place.map(f32::from_bits).into(), UVec2::from(SIZE).as_vec2());
+                let [ox, oy, oz] = ray.origin.to_array();
+                let [x, y, z] = ray.direction.to_array();
+                [ox, oy, oz, x, y, z].map(f32::to_bits)
+            })
+            .collect();
+        let differ = differences(&rows, &expected);
+        println!("{:?}: {differ:?} of {COUNT} differ", pose.lens);
+        if device().2 {
+            assert_eq!(differ, [0; 6], "{:?}", pose.lens);
         }
     }
 }

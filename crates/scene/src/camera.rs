@@ -128,7 +128,8 @@ impl CameraPose {
     /// The ray through `pixel` (pixel units, origin in the upper left corner, centres at halves) of an image of `size` pixels.
     #[must_use]
     pub fn ray(&self, pixel: Vec2, size: Vec2) -> CameraRay {
-        let ndc = Vec2::new(2.0 * pixel.x - size.x, size.y - 2.0 * pixel.y) / size.y;
+        // Times the reciprocal: a GPU's division need not round like ours, and a last bit decides which of two coincident surfaces is in front.
+        let ndc = Vec2::new(2.0 * pixel.x - size.x, size.y - 2.0 * pixel.y) * size.y.recip();
         match self.lens {
             Lens::Perspective { yfov_rad } => {
                 let in_camera = (ndc * (0.5 * yfov_rad).tan()).extend(-1.0);

@@ -1,6 +1,7 @@
 // Rays of the camera and where points appear: twins of `CameraPose`.
 #import shared/frame
 #import shared/hit
+#import shared/vector
 
 // Not seen by a perspective camera.
 struct Projected {
@@ -12,15 +13,15 @@ struct Projected {
 fn camera_ray(sample: vec2f) -> CameraRay {
     let camera = frame.camera;
     let size = vec2f(frame.size);
-    let ndc = vec2f(2.0 * sample.x - size.x, size.y - 2.0 * sample.y) / size.y;
+    let ndc = vec2f(2.0 * sample.x - size.x, size.y - 2.0 * sample.y) * frame.inverse_height;
     if camera.is_orthographic != 0u {
         let offset = ndc * camera.half_height;
-        let origin = camera.x_axis * offset.x + camera.y_axis * offset.y + camera.eye;
+        let origin = sum_in_order(camera.x_axis * offset.x, camera.y_axis * offset.y, camera.eye);
         return CameraRay(origin, -camera.z_axis);
     }
     let in_camera = ndc * camera.tan_half_fov;
-    let direction = camera.x_axis * in_camera.x + camera.y_axis * in_camera.y - camera.z_axis;
-    return CameraRay(camera.eye, normalize(direction));
+    let direction = sum_in_order(camera.x_axis * in_camera.x, camera.y_axis * in_camera.y, -camera.z_axis);
+    return CameraRay(camera.eye, normalized(direction));
 }
 
 // Where the one sample of a pixel lies, in pixels.

@@ -46,7 +46,8 @@ struct Frame {
     // Of the hybrid: visibility from which on one ray stands for the rest, and the most exact fragments.
     hybrid_visibility: f32,
     hybrid_layers: u32,
-    frame_padding: u32,
+    // 1 / size.y, by the CPU's division.
+    inverse_height: f32,
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;

@@ -65,7 +65,7 @@ fn light_ray(light: u32, face_of_light: u32, at: vec2f) -> LightRay {
         return LightRay(face.right * corner.x + face.up * corner.y + face.forward * corner.z, face.forward);
     }
     let beside = (at * (2.0 / f32(shadow_lights[light].side)) - 1.0) * face.width;
-    return LightRay(face.origin, normalize(face.right * beside.x + face.up * beside.y + face.forward));
+    return LightRay(face.origin, normalized(face.right * beside.x + face.up * beside.y + face.forward));
 }
 
 // The face that a point lies in front of.
