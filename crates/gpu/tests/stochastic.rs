@@ -1,10 +1,9 @@
 //! Stochastic transparency on targets of several samples a pixel, against the CPU.
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
-use std::{collections::BTreeSet, sync::Arc};
+use std::sync::Arc;
 
 use glam::{UVec2, Vec2};
-use sheer_accel::Ray;
 use sheer_gpu::{AdapterChoice, Gpu, GpuError, PathChoice, Pipeline, Stage};
 use sheer_image::Planes;
 use sheer_render::{Antialiasing, Counters, Settings, StepTime};
@@ -61,23 +60,8 @@ fn on_gpu(gpu: &Arc<Gpu>, stage: &mut Stage, method: &str, settings: Settings) -
 /// Pixels in which rays near all four corners and through the centre meet the same triangles: hardware samples lie within.
 fn interior(stage: &sheer_render::Stage) -> Vec<bool> {
     let [width, height] = SIZE;
-    let size = UVec2::from(SIZE).as_vec2();
     let offsets = [[0.5, 0.5], [0.02, 0.02], [0.98, 0.02], [0.02, 0.98], [0.98, 0.98]].map(Vec2::from);
-    let met = |at: Vec2| {
-        let camera_ray = stage.frame().camera().ray(at, size);
-        let ray = Ray {
-            origin: camera_ray.origin,
-            direction: camera_ray.direction,
-            t_min: 0.0,
-            t_max: f32::INFINITY,
-        };
-        let mut triangles = BTreeSet::new();
-        stage.bvh().traverse(&ray, |hit| {
-            triangles.insert(hit.triangle);
-            f32::INFINITY
-        });
-        triangles
-    };
+    let met = |at: Vec2| stage.triangles_through(at, SIZE);
     let pixels = (0..height).flat_map(|y| (0..width).map(move |x| UVec2::new(x, y).as_vec2()));
     pixels
         .map(|corner| offsets.map(|offset| met(corner + offset)).windows(2).all(|two| two[0] == two[1]))

@@ -1,7 +1,8 @@
 //! Image in, number out: how far a picture is from its reference.
 //!
 //! Structural similarity, PSNR and FLIP compare what a display shows ([`sheer_image::display_over_black`]);
-//! RMS and bias compare linear light; flicker takes either; tPSNR and ColorVideoVDP take displayed clips. No function here knows which method made a
+//! RMS and bias compare linear light; flicker takes either; tPSNR and ColorVideoVDP take displayed clips; [`FragmentDifference`]
+//! counts pixels. No function here knows which method made a
 //! picture, and none depends on the number of threads: sums run row by row in a fixed order.
 
 mod convolve;
@@ -10,6 +11,7 @@ mod error;
 mod false_colour;
 mod flicker;
 mod flip;
+mod fragments;
 mod ssim;
 pub mod statistics;
 mod temporal_psnr;
@@ -21,6 +23,7 @@ pub use error::MetricError;
 pub use false_colour::{error_legend, error_map, false_colour};
 pub use flicker::{Flicker, flicker};
 pub use flip::{DEFAULT_PIXELS_PER_DEGREE, flip, flip_map};
+pub use fragments::FragmentDifference;
 pub use ssim::{ssim, ssim_map};
 pub use temporal_psnr::TemporalPsnr;
 pub use video_vdp::{LEAST_VDP_SIDE_PX, video_vdp_jod};

@@ -2,9 +2,10 @@
 
 use std::{sync::Arc, time::Instant};
 
+use glam::{UVec2, Vec2};
 use rayon::{ThreadPool, ThreadPoolBuilder};
-use sheer_accel::Bvh;
-use sheer_scene::{Animator, CameraChoice, Frame, Scene};
+use sheer_accel::{Bvh, Ray};
+use sheer_scene::{Animator, CameraChoice, CameraRay, Frame, Scene};
 
 use crate::pipeline::{Moment, RenderError};
 
@@ -81,6 +82,42 @@ impl Stage {
         &self.bvh
     }
 
+    /// All triangles that the camera's ray through a place meets, by number, in ascending order. `place`: pixels from the upper left corner of a
+    /// picture of `size` pixels.
+    #[must_use]
+    pub fn triangles_through(&self, place: Vec2, size: [u32; 2]) -> Vec<u32> {
+        let CameraRay { origin, direction } = self.frame().camera().ray(place, UVec2::from(size).as_vec2());
+        let ray = Ray { origin, direction, t_min: 0.0, t_max: f32::INFINITY };
+        let mut triangles = Vec::new();
+        self.bvh.traverse(&ray, |hit| {
+            triangles.push(hit.triangle);
+            f32::INFINITY
+        });
+        triangles.sort_unstable();
+        triangles
+    }
+
+    /// Whether other triangles are met within `reach_px` of a place: at the edges of triangles, seen or not, where another renderer's rounding
+    /// may find other hits.
+    #[must_use]
+    pub fn is_near_edge(&self, place: Vec2, size: [u32; 2], reach_px: f32) -> bool {
+        let here = self.triangles_through(place, size);
+        let around = [
+            [-1.0, -1.0],
+            [0.0, -1.0],
+            [1.0, -1.0],
+            [-1.0, 0.0],
+            [1.0, 0.0],
+            [-1.0, 1.0],
+            [0.0, 1.0],
+            [1.0, 1.0],
+        ];
+        around
+            .map(Vec2::from)
+            .into_iter()
+            .any(|offset| self.triangles_through(place + offset * reach_px, size) != here)
+    }
+
     /// How many threads render.
     #[must_use]
     pub fn threads(&self) -> usize {
@@ -93,5 +130,26 @@ impl Stage {
 
     pub(crate) fn lift(&self) -> f32 {
         self.lift
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn edges_are_where_triangles_end_and_nowhere_else() {
+        let scene = sheer_scene::open("pane").unwrap().scene;
+        let stage = Stage::new(scene, &CameraChoice::Default, Some(1)).unwrap();
+        let size = [64, 36];
+        let places = (0..36).flat_map(|y| (0..64).map(move |x| UVec2::new(x, y).as_vec2() + 0.5));
+        let shares = [1.0 / 64.0, 0.5].map(|reach_px| {
+            let near = places.clone().filter(|&place| stage.is_near_edge(place, size, reach_px)).count();
+            near as f64 / (64.0 * 36.0)
+        });
+        assert!(shares[0] > 0.0 && shares[0] < shares[1] && shares[1] < 1.0, "{shares:?}");
+        // Where rays pass the same triangles, the nearest one changes with what is met, not without.
+        let place = places.clone().find(|&place| !stage.is_near_edge(place, size, 0.25)).unwrap();
+        assert_eq!(stage.triangles_through(place, size), stage.triangles_through(place + 0.2, size));
     }
 }
