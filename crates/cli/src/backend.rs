@@ -4,7 +4,7 @@ use std::{borrow::Cow, env, fs, sync::Arc};
 
 use sheer_gpu::{Gpu, PathChoice};
 use sheer_image::Planes;
-use sheer_render::{Antialiasing, Counters, Method, Moment, Settings, StepTime, Timings};
+use sheer_render::{Antialiasing, Counters, Method, Moment, Settings, StepTime, Timings, contract::Memory};
 use sheer_scene::{CameraChoice, Scene};
 
 use crate::{
@@ -54,6 +54,8 @@ pub(crate) trait Renderer {
     fn steps<'p>(&self, pipeline: &'p Self::Pipeline) -> &'p [StepTime];
     /// What the user should know of how a method is run.
     fn notes<'p>(&self, pipeline: &'p Self::Pipeline) -> &'p [String];
+    /// Bytes a pixel that a method stores beyond colour and depth, where `hits_per_pixel` is the mean of its fragments.
+    fn bytes_per_pixel(&self, pipeline: &Self::Pipeline, hits_per_pixel: f64) -> f64;
 }
 
 /// The processor.
@@ -122,6 +124,15 @@ impl Renderer for Cpu {
     fn notes<'p>(&self, _: &'p Self::Pipeline) -> &'p [String] {
         &[]
     }
+
+    /// What a rasteriser would store, as the method's paper has it.
+    fn bytes_per_pixel(&self, pipeline: &Self::Pipeline, hits_per_pixel: f64) -> f64 {
+        match pipeline.method().memory() {
+            Memory::Bounded(bytes) => f64::from(bytes),
+            // Lists take their fragments from a pool that all pixels share: the mean is what fills it.
+            Memory::PerFragment(bytes) => f64::from(bytes) * hits_per_pixel,
+        }
+    }
 }
 
 /// A device of wgpu, by rays or by raster.
@@ -189,6 +200,11 @@ impl Renderer for OnGpu {
     fn notes<'p>(&self, pipeline: &'p Self::Pipeline) -> &'p [String] {
         pipeline.notes()
     }
+
+    /// What has been allocated, whether it is filled or not.
+    fn bytes_per_pixel(&self, pipeline: &Self::Pipeline, _: f64) -> f64 {
+        pipeline.method_bytes_per_pixel()
+    }
 }
 
 /// Something that can be done on every backend.
@@ -198,16 +214,24 @@ pub(crate) trait Task {
 }
 
 impl BackendArguments {
-    /// Opens what the user has chosen and does something on it.
+    /// Does something on what the user has chosen.
     pub(crate) fn run(&self, task: &impl Task) -> anyhow::Result<()> {
+        match self.gpu()? {
+            None => task.run_on(&Cpu),
+            Some(gpu) => task.run_on(&gpu),
+        }
+    }
+
+    /// Opens the GPU that the user has chosen; none for the processor.
+    pub(crate) fn gpu(&self) -> anyhow::Result<Option<OnGpu>> {
         match self.backend {
             Backend::Cpu if self.adapter.is_some() => {
                 Err(Misuse("--adapter is for --backend gpu, gpu:ray or gpu:raster".to_owned()).into())
             }
-            Backend::Cpu => task.run_on(&Cpu),
+            Backend::Cpu => Ok(None),
             Backend::Gpu(path) => {
                 let gpu = Gpu::new(&self.adapter.clone().unwrap_or_default())?;
-                task.run_on(&OnGpu { gpu, path })
+                Ok(Some(OnGpu { gpu, path }))
             }
         }
     }

@@ -2,7 +2,7 @@
 
 use sheer_image::{Image, Metadata, Planes, ToneCurve, display_over_black, encode_png, u8_from_unit};
 use sheer_metrics::{Flicker, TemporalPsnr, bias, error_map, flip, psnr_db, rms, ssim, video_vdp_jod};
-use sheer_render::{Antialiasing, Clock, Method, Settings, contract::Memory};
+use sheer_render::{Antialiasing, Clock, Method, Settings};
 
 use crate::{
     backend::Renderer,
@@ -145,7 +145,7 @@ impl Clip {
                 .keeps_frames
                 .then(|| video_vdp_jod(reference_clip, &contestant.shown, self.frames_per_sec()));
             let reference = (at != reference_at).then_some(&reference);
-            self.entry(contestant, &*renderer.planes(&contestant.pipeline)?, reference, vdp_jod.transpose()?)
+            self.entry(renderer, contestant, reference, vdp_jod.transpose()?)
         });
         entries.collect()
     }
@@ -159,14 +159,15 @@ impl Clip {
         1.0 / (moment.time_secs - moment.previous_secs)
     }
 
-    fn entry<P>(
+    fn entry<R: Renderer>(
         &self,
-        contestant: &Contestant<'_, P>,
-        planes: &Planes,
+        renderer: &R,
+        contestant: &Contestant<'_, R::Pipeline>,
         reference: Option<&Shown>,
         vdp_jod: Option<f64>,
     ) -> anyhow::Result<Entry> {
-        let Contestant { method, tally, quality, .. } = contestant;
+        let Contestant { method, pipeline, tally, quality, .. } = contestant;
+        let planes = &*renderer.planes(pipeline)?;
         let [width, height] = self.settings.size;
         let pixels = f64::from(width) * f64::from(height);
         let hits_per_pixel = tally.hits() / pixels;
@@ -187,11 +188,7 @@ impl Clip {
             rms: quality.mean(quality.rms),
             shaded_per_pixel: tally.shaded() / pixels,
             hits_per_pixel,
-            memory_bytes_per_pixel: match method.memory() {
-                Memory::Bounded(bytes) => f64::from(bytes),
-                // Lists take their fragments from a pool that all pixels share: the mean is what fills it.
-                Memory::PerFragment(bytes) => f64::from(bytes) * hits_per_pixel,
-            },
+            memory_bytes_per_pixel: renderer.bytes_per_pixel(pipeline, hits_per_pixel),
             merged_per_pixel: tally.merged() / pixels,
         };
         let plain = Metadata::default();

@@ -10,8 +10,11 @@ use crate::{
     output,
     report::{
         comparison::figures,
-        json::{self, Comparison},
-        page::{self, comparison::Page},
+        json::{self, Comparison, ComparisonRow},
+        page::{
+            self,
+            comparison::{Entry, Page},
+        },
     },
     setup::{self, file_name_from, without_repeats},
 };
@@ -49,6 +52,7 @@ fn compare<R: Renderer>(arguments: &CompareArguments, renderer: &R) -> anyhow::R
         entries.extend(clip.play(renderer, &mut opened.stage, &methods, noted, || progress.inc(1))?);
     }
     progress.finish_and_clear();
+    entries.iter().filter_map(overflow_of_reference).for_each(|warning| talk.warn(warning));
 
     for entry in &entries {
         let stem = file_name_from(&format!("{}-{}", entry.row.aa, entry.row.method));
@@ -68,4 +72,15 @@ fn compare<R: Renderer>(arguments: &CompareArguments, renderer: &R) -> anyhow::R
     output::print(&figures(&report, true).text())?;
     talk.note(format_args!("wrote {} and report.json beside it", folder.join("index.html").display()));
     Ok(())
+}
+
+/// What to say of a reference that is not exact: a rasteriser's lists hold so many fragments and no more.
+fn overflow_of_reference(entry: &Entry) -> Option<String> {
+    let ComparisonRow { method, aa, merged_per_pixel, .. } = &entry.row;
+    (method == REFERENCE && *merged_per_pixel > 0.0).then(|| {
+        format!(
+            "{REFERENCE} ({aa}) had no place for {merged_per_pixel:.3} fragments a pixel and summed them up: errors are not against \
+             the exact answer; take --backend gpu:ray or cpu"
+        )
+    })
 }

@@ -100,7 +100,7 @@ const COLUMNS: &[Column<ComparisonRow>] = &[
     },
     Column {
         title: "bytes/px",
-        meaning: "What the method stores for a pixel beyond colour and depth, as a GPU would. A list without bound: bytes a fragment times the mean of fragments.",
+        meaning: "What the method stores for a pixel beyond colour and depth. On the CPU, what its paper asks of a GPU, a list without bound with the mean of its fragments; on a GPU, what was allocated.",
         decimals: 0,
         is_optional: false,
         value: |_, row| Some(row.memory_bytes_per_pixel),

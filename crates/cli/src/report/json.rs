@@ -78,7 +78,8 @@ pub(crate) struct ComparisonRow {
     pub(crate) shaded_per_pixel: f64,
     /// Hits tested or composited for a pixel of a frame.
     pub(crate) hits_per_pixel: f64,
-    /// What the method stores beyond colour and depth; of an unbounded one, bytes a fragment times the mean of hits for a pixel.
+    /// What the method stores beyond colour and depth: by its paper on the CPU (of an unbounded one, bytes a fragment times the mean of hits for
+    /// a pixel), what was allocated on a GPU.
     pub(crate) memory_bytes_per_pixel: f64,
     /// Fragments merged for want of a place, for a pixel of a frame.
     pub(crate) merged_per_pixel: f64,

@@ -99,3 +99,22 @@ fn reports_name_backend_and_adapter_and_passes_have_their_times() {
     let on_processor = succeed(folder.path(), "bench layers -m std --size 8x8 --frames 1 --json -").stdout;
     assert!(json(&on_processor)["rows"][0].get("steps").is_none());
 }
+
+#[test]
+fn memory_is_what_was_allocated_and_a_reference_that_overflows_says_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let compare = |scene: &str| {
+        let arguments = format!("compare {scene} -m weighted --size 32x18 --frames 2 -a none");
+        let outcome = succeed(folder.path(), &format!("{arguments} --backend gpu:raster -o out"));
+        let report = json(&fs::read_to_string(folder.path().join("out/report.json")).unwrap());
+        let rows = report["rows"].as_array().unwrap();
+        // Sums in four half floats and a transmittance in one.
+        assert_eq!(rows[1]["memory_bytes_per_pixel"], 10.0, "{report}");
+        let merged = rows[0]["merged_per_pixel"].as_f64().unwrap();
+        (outcome.stderr.contains("not against the exact answer"), merged)
+    };
+    assert_eq!(compare("layers:count=4"), (false, 0.0));
+    // A pool of 32 fragments a pixel.
+    let (is_said, merged) = compare("layers:count=40");
+    assert!(is_said && (merged - 8.0).abs() < 1e-6, "{is_said} {merged}");
+}
