@@ -44,7 +44,7 @@ pub(crate) enum Command {
     Calibrate(CalibrateArguments),
     /// Make the papers' figures again, measure them and write one report; on the CPU.
     Experiments(ExperimentsArguments),
-    /// Check the papers' numbers and the methods' promises: closed form, printed, measured; on the CPU.
+    /// Check the papers' numbers and the methods' promises: closed form, printed, measured; or hold a GPU against the CPU.
     Verify(VerifyArguments),
 }
 
@@ -185,11 +185,20 @@ pub(crate) struct ExperimentsArguments {
 
 #[derive(Args, Debug)]
 pub(crate) struct VerifyArguments {
+    /// Scenes in which a GPU has to show what the CPU shows: built-in ones, .gltf or .glb files; some of ours if none is given.
+    #[arg(value_name = "SCENE")]
+    pub(crate) scenes: Vec<String>,
+    /// Methods that a GPU has to run as the CPU does, NAME or NAME:KEY=VALUE,…; all if none is given.
+    #[arg(short, long = "method", value_name = "METHOD", value_parser = method)]
+    pub(crate) methods: Vec<Method>,
+    /// Set the opacity of every material of these scenes, 0 to 1.
+    #[arg(long, value_name = "A", value_parser = unit)]
+    pub(crate) alpha: Option<f32>,
     /// File for the figures, - for stdout in place of the table.
     #[arg(long, value_name = "FILE")]
     pub(crate) json: Option<PathBuf>,
     #[command(flatten)]
-    _backend: CpuArguments,
+    pub(crate) backend: BackendArguments,
     #[command(flatten)]
     pub(crate) machine: MachineArguments,
 }

@@ -65,6 +65,18 @@ impl SceneArguments {
         file_name_from(stem.split(':').next().unwrap_or_default())
     }
 
+    /// Loads the scene.
+    pub(crate) fn load(&self, talk: Talk) -> anyhow::Result<Arc<Scene>> {
+        let loaded = sheer_scene::open(&self.text)?;
+        for warning in &loaded.warnings {
+            talk.warn(format_args!("{}: {warning}", self.text));
+        }
+        Ok(Arc::new(match self.alpha {
+            Some(alpha) => loaded.scene.with_alpha(alpha),
+            None => loaded.scene,
+        }))
+    }
+
     /// Loads the scene and builds what rendering needs.
     pub(crate) fn open<R: Renderer>(
         &self,
@@ -72,15 +84,7 @@ impl SceneArguments {
         machine: MachineArguments,
         talk: Talk,
     ) -> anyhow::Result<Opened<R::Stage>> {
-        let loaded = sheer_scene::open(&self.text)?;
-        for warning in &loaded.warnings {
-            talk.warn(format_args!("{}: {warning}", self.text));
-        }
-        let scene = match self.alpha {
-            Some(alpha) => loaded.scene.with_alpha(alpha),
-            None => loaded.scene,
-        };
-        let scene = Arc::new(scene);
+        let scene = self.load(talk)?;
         let hash = hash(&scene);
         let camera = self.camera.clone().unwrap_or_default();
         let stage = renderer

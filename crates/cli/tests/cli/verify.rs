@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use crate::run::{json, succeed};
+use crate::run::{json, sheer, succeed};
 
 #[test]
 fn all_checks_pass_and_have_the_names_and_types_of_their_contract() {
@@ -32,4 +32,32 @@ fn all_checks_pass_and_have_the_names_and_types_of_their_contract() {
     let paper = |name: &str| checks.iter().find(|check| check["name"] == name).unwrap()["paper"].clone();
     assert_eq!(paper("of these without close neighbours"), 1512.0);
     assert_eq!(paper("of these kept as maps"), 288.0);
+}
+
+#[test]
+fn a_gpu_is_held_against_the_processor() {
+    let folder = tempfile::tempdir().unwrap();
+    let arguments = "verify layers:count=3 -m std -m weighted -m stochastic --backend gpu:raster --json -";
+    let report = json(&succeed(folder.path(), arguments).stdout);
+    let checks = report["checks"].as_array().unwrap();
+    let names: Vec<_> = checks.iter().map(|check| check["name"].as_str().unwrap()).collect();
+    // Methods in the scene, and a closed form for the one whose samples are the hardware's.
+    assert_eq!(checks.len(), 3, "{names:?}");
+    assert!(names[0].contains("layers:count=3") && names[0].contains("std by gpu:raster"), "{names:?}");
+    assert!(names[2].contains("transmittance") && checks[2]["z"].is_number(), "{checks:?}");
+    assert!(checks.iter().all(|check| check["pass"] == true && check["measured"].is_number()), "{checks:?}");
+
+    let refused = sheer(folder.path(), "verify layers -m weighted --backend gpu:ray");
+    assert_eq!(refused.code, Some(1), "{refused:?}");
+    assert!(refused.stderr.contains("gpu:raster"), "{refused:?}");
+}
+
+#[test]
+fn what_only_a_gpu_has_to_show_is_wrong_use_on_the_processor() {
+    let folder = tempfile::tempdir().unwrap();
+    for arguments in ["verify layers", "verify -m std", "verify --alpha 0.5", "verify --adapter 0"] {
+        let outcome = sheer(folder.path(), arguments);
+        assert_eq!(outcome.code, Some(2), "{outcome:?}");
+        assert!(outcome.stderr.contains("--backend gpu"), "{outcome:?}");
+    }
 }

@@ -1,4 +1,4 @@
-//! `sheer verify`: the papers' numbers and the methods' promises, from theory, as printed, and as measured.
+//! `sheer verify`: the papers' numbers and the methods' promises, from theory, as printed, and as measured; and whether a GPU keeps them.
 
 use anyhow::{anyhow, ensure};
 use sheer_metrics::statistics::{sidak, two_sided_p};
@@ -6,11 +6,13 @@ use sheer_metrics::statistics::{sidak, two_sided_p};
 use crate::{
     COMMIT, VERSION,
     args::VerifyArguments,
+    failure::Misuse,
     output::{self, TextOutput},
     report::{
         json::{self, Check, Value, Verification},
         table::{Table, number},
     },
+    talk::Talk,
 };
 
 mod ends;
@@ -20,15 +22,48 @@ mod picture;
 mod stacked;
 mod stochastic;
 mod threads;
+mod twins;
 mod unbiased;
 
 /// Probability that any of the random checks fails although nothing is wrong. The seeds are fixed, so it is paid once, not each run.
 const LEVEL: f64 = 1e-3;
 
 pub(crate) fn run(arguments: &VerifyArguments) -> anyhow::Result<()> {
+    let VerifyArguments { scenes, methods, alpha, .. } = arguments;
+    let gpu = arguments.backend.gpu()?;
+    if gpu.is_none() && !(scenes.is_empty() && methods.is_empty() && alpha.is_none()) {
+        let problem =
+            "scenes, --method and --alpha are for --backend gpu, gpu:ray or gpu:raster, held against the CPU";
+        return Err(Misuse(problem.to_owned()).into());
+    }
     let talk = arguments.machine.apply()?;
     let json = arguments.json.as_deref().map(TextOutput::open).transpose()?;
-    let threads = arguments.machine.threads;
+    let mut checks = match &gpu {
+        None => promises(arguments.machine.threads, talk)?,
+        Some(gpu) => twins::checks(arguments, gpu, talk)?,
+    };
+    ensure!(!checks.is_empty(), "nothing could be compared");
+    judge(&mut checks);
+
+    let report = Verification { version: VERSION, commit: COMMIT, checks };
+    let text = json::text(&report)?;
+    match &json {
+        Some(output) if output.is_stdout() => output.write(&text)?,
+        Some(output) => output.write(&text).and_then(|()| output::print(&table(&report)))?,
+        None => output::print(&table(&report))?,
+    }
+    let failed: Vec<&str> =
+        report.checks.iter().filter(|check| !check.pass).map(|check| check.name.as_str()).collect();
+    ensure!(
+        failed.is_empty(),
+        anyhow!("{} of {} checks failed: {}", failed.len(), report.checks.len(), failed.join("; "))
+    );
+    talk.note(format_args!("all {} checks passed", report.checks.len()));
+    Ok(())
+}
+
+/// What papers and methods promise, kept by the CPU.
+fn promises(threads: Option<usize>, talk: Talk) -> anyhow::Result<Vec<Check>> {
     type Group = fn(Option<usize>) -> anyhow::Result<Vec<Check>>;
     let groups: [(&str, Group); 7] = [
         ("threshold maps", |_| Ok(maps::checks())),
@@ -47,23 +82,7 @@ pub(crate) fn run(arguments: &VerifyArguments) -> anyhow::Result<()> {
         progress.inc(1);
     }
     progress.finish_and_clear();
-    judge(&mut checks);
-
-    let report = Verification { version: VERSION, commit: COMMIT, checks };
-    let text = json::text(&report)?;
-    match &json {
-        Some(output) if output.is_stdout() => output.write(&text)?,
-        Some(output) => output.write(&text).and_then(|()| output::print(&table(&report)))?,
-        None => output::print(&table(&report))?,
-    }
-    let failed: Vec<&str> =
-        report.checks.iter().filter(|check| !check.pass).map(|check| check.name.as_str()).collect();
-    ensure!(
-        failed.is_empty(),
-        anyhow!("{} of {} checks failed: {}", failed.len(), report.checks.len(), failed.join("; "))
-    );
-    talk.note(format_args!("all {} checks passed", report.checks.len()));
-    Ok(())
+    Ok(checks)
 }
 
 /// Something that has one right answer.
