@@ -183,17 +183,47 @@ impl Pipeline {
     /// # Errors
     /// The device refuses, has no memory left, or is lost twice.
     pub fn render(&mut self, stage: &mut Stage, index: u32) -> Result<(Counters, Timings), GpuError> {
+        self.twice_if_lost(|pipeline| pipeline.try_render(stage, index))
+    }
+
+    /// The same without waiting: the device works while the caller prepares the next frame. Nothing is read back, so that a frame's cost is
+    /// unknown and a device that is lost on the way shows in the next call.
+    ///
+    /// # Errors
+    /// As [`Self::render`].
+    pub fn submit(&mut self, stage: &mut Stage, index: u32) -> Result<(), GpuError> {
+        self.twice_if_lost(|pipeline| pipeline.try_submit(stage, index))?;
+        // What earlier frames no longer need is given back.
+        let polled = self.gpu.device().poll(wgpu::PollType::Poll);
+        polled.map(|_| ()).map_err(|error| GpuError::DeviceLost { reason: error.to_string() })
+    }
+
+    fn twice_if_lost<T>(
+        &mut self,
+        mut render: impl FnMut(&mut Self) -> Result<T, GpuError>,
+    ) -> Result<T, GpuError> {
         let generation = self.gpu.generation();
-        match self.try_render(stage, index) {
+        match render(self) {
             Err(GpuError::DeviceLost { .. }) => {
                 self.gpu.reopen(generation)?;
-                self.try_render(stage, index)
+                render(self)
             }
             other => other,
         }
     }
 
     fn try_render(&mut self, stage: &mut Stage, index: u32) -> Result<(Counters, Timings), GpuError> {
+        let start = Instant::now();
+        let map_rays = self.try_submit(stage, index)?;
+        let mut counters = self.resources.read_counters(&self.gpu)?;
+        counters.shadow_rays += map_rays;
+        let wall_ms = start.elapsed().as_secs_f64() * 1e3;
+        self.steps = self.resources.timer.read(&self.gpu.device());
+        Ok((counters, timings(stage.build_ms(), wall_ms, &self.steps)))
+    }
+
+    /// Sends a frame off; how many rays make its shadow maps.
+    fn try_submit(&mut self, stage: &mut Stage, index: u32) -> Result<u64, GpuError> {
         stage.renew()?;
         if self.resources.generation != self.gpu.generation() {
             self.resources =
@@ -204,13 +234,7 @@ impl Pipeline {
         let hybrid = Search::of(&self.method).map_or(Hybrid::NONE, |search| search.hybrid);
         let jitter = jitter(self.antialiasing, frame);
         let shot = Shot { size, jitter, index: frame, seed, background, hybrid };
-        let start = Instant::now();
-        let map_rays = self.resources.submit(&self.gpu, stage, &shot, self.method.alignment_px())?;
-        let mut counters = self.resources.read_counters(&self.gpu)?;
-        counters.shadow_rays += map_rays;
-        let wall_ms = start.elapsed().as_secs_f64() * 1e3;
-        self.steps = self.resources.timer.read(&self.gpu.device());
-        Ok((counters, timings(stage.build_ms(), wall_ms, &self.steps)))
+        self.resources.submit(&self.gpu, stage, &shot, self.method.alignment_px())
     }
 
     /// The picture so far, read back: colour accumulated, everything else of the last frame.

@@ -135,3 +135,31 @@ fn without_ray_query_raster_is_taken_and_said_so() {
     assert_eq!(pipeline.path(), sheer_gpu::Path::Raster);
     assert!(pipeline.notes()[0].contains("no ray query"), "{:?}", pipeline.notes());
 }
+
+#[test]
+fn frames_that_nobody_waits_for_add_up_to_the_same_picture() {
+    let gpu = gpu();
+    let mut stage = stage(&gpu, MOVING);
+    let pictures = [true, false].map(|waits| {
+        let mut pipeline = std_pipeline(&gpu, [64, 36]);
+        for index in 0..6 {
+            stage.advance(pipeline.clock().at(index)).unwrap();
+            if waits || index == 5 {
+                pipeline.render(&mut stage, index).unwrap();
+            } else {
+                pipeline.submit(&mut stage, index).unwrap();
+            }
+        }
+        assert!(pipeline.steps().iter().all(|step| step.ms >= 0.0));
+        pipeline.planes().unwrap()
+    });
+    assert_eq!(pictures[0], pictures[1]);
+
+    let mut pipeline = std_pipeline(&gpu, [64, 36]);
+    gpu.lose_device();
+    // Nobody has asked the device yet: the next call sees the loss.
+    pipeline.submit(&mut stage, 0).unwrap();
+    pipeline.submit(&mut stage, 1).unwrap();
+    assert_eq!(gpu.generation(), 1);
+    assert!(pipeline.planes().unwrap().colour.as_slice().iter().any(|colour| colour[3] > 0.0));
+}
