@@ -12,7 +12,7 @@ use sheer_metrics::{
 };
 use sheer_render::{
     Antialiasing, Clock, Counters, Method, Settings,
-    method::{Family, METHODS, kbuffer, stochastic},
+    method::{Family, METHODS, hashed, kbuffer, stochastic},
 };
 use sheer_scene::CameraChoice;
 
@@ -26,7 +26,7 @@ use crate::{
 
 /// Large enough that few pixels are edges.
 const SIZE: [u32; 2] = [256, 144];
-/// Colours and textures, shadows, hundreds of layers; none is deeper than the lists of a rasteriser.
+/// Colours, textures and shadows; none is deeper than the lists of a rasteriser.
 const SCENES: [&str; 3] = ["layers:count=6,alpha=0.3,colours=rainbow", "pane", "smoke-square:particles=200"];
 /// Beside all methods by their names.
 const VARIANTS: [&str; 2] = ["std:hybrid=0.5,layers=3", "baseline:trace=continuation"];
@@ -34,6 +34,8 @@ const VARIANTS: [&str; 2] = ["std:hybrid=0.5,layers=3", "baseline:trace=continua
 const COLOUR_SHARE: f64 = 0.002;
 /// The same of what is made of all fragments of a pixel, each of which may be in such a place or have its edge there.
 const COLOUR_SHARE_COMPOSITED: f64 = 0.005;
+/// Share of the pixels inside triangles where a logarithm of another last bit may draw another threshold.
+const INSIDE_SHARE_HASHED: f64 = 0.001;
 /// Hardware rounds the corners of triangles to 1/256 of a pixel, and the projection rounds before that.
 const EDGE_PX: f32 = 1.0 / 64.0;
 /// Accuracy of half floats, 2⁻¹¹, twice.
@@ -182,25 +184,27 @@ struct Bounds {
     colour: f32,
     /// Of pixels whose colour may differ by more.
     colour_share: f64,
+    /// Of pixels away from edges that may show another fragment.
+    inside_share: f64,
 }
 
 impl Bounds {
     fn of(method: &Method) -> Self {
-        match method.family() {
-            Family::Threshold | Family::Selection => {
-                Self { colour: COLOUR_BOUND, colour_share: COLOUR_SHARE }
-            }
-            Family::Compositing => {
-                Self { colour: COLOUR_BOUND_COMPOSITED, colour_share: COLOUR_SHARE_COMPOSITED }
-            }
-        }
+        let inside_share = if method.info().id == hashed::INFO.id { INSIDE_SHARE_HASHED } else { 0.0 };
+        let (colour, colour_share) = match method.family() {
+            Family::Threshold | Family::Selection => (COLOUR_BOUND, COLOUR_SHARE),
+            Family::Compositing => (COLOUR_BOUND_COMPOSITED, COLOUR_SHARE_COMPOSITED),
+        };
+        Self { colour, colour_share, inside_share }
     }
 
     /// Whether few colours differ, and fragments only where the CPU meets other triangles right beside the pixel's centre.
     fn hold(self, difference: &FragmentDifference, stage: &<Cpu as Renderer>::Stage) -> bool {
         let is_edge =
             |&(x, y): &(u32, u32)| stage.is_near_edge(UVec2::new(x, y).as_vec2() + 0.5, SIZE, EDGE_PX);
-        difference.colour_share() <= self.colour_share && difference.others.iter().all(is_edge)
+        let inside = difference.others.iter().filter(|&other| !is_edge(other)).count();
+        difference.colour_share() <= self.colour_share
+            && inside as f64 <= self.inside_share * difference.pixels as f64
     }
 }
 
@@ -256,7 +260,13 @@ mod tests {
         for method in ["std", "weighted"] {
             assert_eq!(held([method, method]), (true, 0.0));
         }
-        for methods in [["std", "roulette"], ["joint", "std"], ["weighted", "moments"], ["mlab", "peel"]] {
+        for methods in [
+            ["std", "roulette"],
+            ["joint", "std"],
+            ["weighted", "moments"],
+            ["mlab", "peel"],
+            ["hashed", "std"],
+        ] {
             assert!(!held(methods).0, "the check is blind for {methods:?}");
         }
     }
