@@ -16,11 +16,12 @@ use sheer_scene::{
 };
 
 /// Some with an opacity for everything. All are less than 32 deep.
-const SCENES: [(&str, Option<f32>); 4] = [
+const SCENES: [(&str, Option<f32>); 5] = [
     ("layers:count=6,alpha=0.3,colours=rainbow", None),
     ("pane", None),
     ("smoke-square:particles=200", None),
     ("gltf/Fox/Fox.gltf", Some(0.4)),
+    ("gltf/NegativeScaleTest/NegativeScaleTest.gltf", Some(0.6)),
 ];
 const SIZE: [u32; 2] = [96, 64];
 /// Pixels that may differ by anything: an edge of a triangle may be drawn into one pixel here and into its neighbour there.

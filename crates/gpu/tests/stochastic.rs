@@ -103,11 +103,13 @@ fn compare(gpu: &Arc<Gpu>, name: &str, [method, twin]: [&str; 2], seeds: [u32; 2
 }
 
 const FOX: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../assets/gltf/Fox/Fox.gltf");
+const TILES: &str =
+    concat!(env!("CARGO_MANIFEST_DIR"), "/../../assets/gltf/VertexColorTest/VertexColorTest.gltf");
 
 #[test]
 fn pixels_that_triangles_cover_whole_are_the_cpus() {
     let gpu = gpu();
-    for name in ["layers:count=6,alpha=0.3", "pane", "smoke-square", FOX] {
+    for name in ["layers:count=6,alpha=0.3", "pane", "smoke-square", FOX, TILES] {
         for method in ["stochastic:samples=4", "stochastic:samples=4,estimator=basic"] {
             let [inside, all] = compare(&gpu, name, [method; 2], [5; 2]);
             assert!(inside == 0.0, "{name}, {method}: {inside} of the inner pixels");

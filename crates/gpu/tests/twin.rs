@@ -10,7 +10,6 @@ use std::{
     sync::{Arc, LazyLock},
 };
 
-use glam::UVec2;
 use sheer_gpu::{AdapterChoice, Gpu, PathChoice, Pipeline, Stage, Tracer};
 use sheer_image::Planes;
 use sheer_metrics::FragmentDifference;
@@ -82,10 +81,9 @@ fn difference(expected: &Planes, found: &Planes) -> FragmentDifference {
 
 /// Whether few pixels differ, and only where the CPU finds other triangles right beside the pixel's centre.
 fn is_small(stage: &sheer_render::Stage, difference: &FragmentDifference) -> bool {
-    let is_edge = |&(x, y): &(u32, u32)| stage.is_near_edge(UVec2::new(x, y).as_vec2() + 0.5, SIZE, EDGE_PX);
     difference.other_share() <= OTHER_SHARE
         && difference.colour_share() <= OTHER_SHARE
-        && difference.others.iter().all(is_edge)
+        && difference.others.iter().all(|&other| stage.is_near_edge(other, SIZE, EDGE_PX))
 }
 
 fn fragment(planes: &Planes, [x, y]: [u32; 2]) -> [u32; 2] {

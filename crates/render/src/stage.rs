@@ -97,10 +97,11 @@ impl Stage {
         triangles
     }
 
-    /// Whether other triangles are met within `reach_px` of a place: at the edges of triangles, seen or not, where another renderer's rounding
-    /// may find other hits.
+    /// Whether other triangles are met within `reach_px` of a pixel's centre: at the edges of triangles, seen or not, where another renderer's
+    /// rounding may find other hits. The pixel is given by column and row.
     #[must_use]
-    pub fn is_near_edge(&self, place: Vec2, size: [u32; 2], reach_px: f32) -> bool {
+    pub fn is_near_edge(&self, (x, y): (u32, u32), size: [u32; 2], reach_px: f32) -> bool {
+        let place = UVec2::new(x, y).as_vec2() + 0.5;
         let here = self.triangles_through(place, size);
         let around = [
             [-1.0, -1.0],
@@ -142,14 +143,17 @@ mod tests {
         let scene = sheer_scene::open("pane").unwrap().scene;
         let stage = Stage::new(scene, &CameraChoice::Default, Some(1)).unwrap();
         let size = [64, 36];
-        let places = (0..36).flat_map(|y| (0..64).map(move |x| UVec2::new(x, y).as_vec2() + 0.5));
+        let pixels = (0..36).flat_map(|y| (0..64).map(move |x| (x, y)));
         let shares = [1.0 / 64.0, 0.5].map(|reach_px| {
-            let near = places.clone().filter(|&place| stage.is_near_edge(place, size, reach_px)).count();
+            let near = pixels.clone().filter(|&pixel| stage.is_near_edge(pixel, size, reach_px)).count();
             near as f64 / (64.0 * 36.0)
         });
         assert!(shares[0] > 0.0 && shares[0] < shares[1] && shares[1] < 1.0, "{shares:?}");
-        // Where rays pass the same triangles, the nearest one changes with what is met, not without.
-        let place = places.clone().find(|&place| !stage.is_near_edge(place, size, 0.25)).unwrap();
-        assert_eq!(stage.triangles_through(place, size), stage.triangles_through(place + 0.2, size));
+        // What is no edge is none in between either.
+        for (x, y) in pixels.filter(|&pixel| !stage.is_near_edge(pixel, size, 0.25)).step_by(50) {
+            let centre = UVec2::new(x, y).as_vec2() + 0.5;
+            let beside = stage.triangles_through(centre + Vec2::new(0.1, -0.05), size);
+            assert_eq!(stage.triangles_through(centre, size), beside, "{x} {y}");
+        }
     }
 }

@@ -3,7 +3,6 @@
 //! Both decide by the same integers and the same arithmetic, so that one frame tells. Where they may differ: a hardware's edges of triangles lie
 //! between other pixels, its blending units add in half floats, its roots and powers round in their own way.
 
-use glam::UVec2;
 use sheer_gpu::GpuError;
 use sheer_image::Planes;
 use sheer_metrics::{
@@ -200,9 +199,8 @@ impl Bounds {
 
     /// Whether few colours differ, and fragments only where the CPU meets other triangles right beside the pixel's centre.
     fn hold(self, difference: &FragmentDifference, stage: &<Cpu as Renderer>::Stage) -> bool {
-        let is_edge =
-            |&(x, y): &(u32, u32)| stage.is_near_edge(UVec2::new(x, y).as_vec2() + 0.5, SIZE, EDGE_PX);
-        let inside = difference.others.iter().filter(|&other| !is_edge(other)).count();
+        let is_inside = |&&other: &&(u32, u32)| !stage.is_near_edge(other, SIZE, EDGE_PX);
+        let inside = difference.others.iter().filter(is_inside).count();
         difference.colour_share() <= self.colour_share
             && inside as f64 <= self.inside_share * difference.pixels as f64
     }
