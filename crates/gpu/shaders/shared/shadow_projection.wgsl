@@ -1,6 +1,7 @@
 // From world to the texels of a light's map: twin of crates/render/src/shadow/projection.rs.
 #import shared/frame
 #import shared/receiver
+#import shared/vector
 
 // One square of a map: columns of world_from_face, and its lens.
 struct ShadowFace {
@@ -62,10 +63,11 @@ fn light_ray(light: u32, face_of_light: u32, at: vec2f) -> LightRay {
     let face = shadow_faces[shadow_lights[light].first_face + face_of_light];
     if face.is_central == 0u {
         let corner = face.origin + vec3f(at * vec2f(face.width, face.height), 0.0);
-        return LightRay(face.right * corner.x + face.up * corner.y + face.forward * corner.z, face.forward);
+        let origin = sum_in_order(face.right * corner.x, face.up * corner.y, face.forward * corner.z);
+        return LightRay(origin, face.forward);
     }
     let beside = (at * (2.0 / f32(shadow_lights[light].side)) - 1.0) * face.width;
-    return LightRay(face.origin, normalized(face.right * beside.x + face.up * beside.y + face.forward));
+    return LightRay(face.origin, normalized(sum_in_order(face.right * beside.x, face.up * beside.y, face.forward)));
 }
 
 // The face that a point lies in front of.

@@ -4,21 +4,20 @@
 const LEAST_SQUARE: f32 = 1.17549435e-38;
 const GREATEST_SQUARE: f32 = 3.4028234e38;
 
-// (a + b) + c. WGSL lets compilers add the last two first, which rounds otherwise; they do not through negations.
+// (a + b) + c. WGSL lets compilers add the last two first, which rounds otherwise, and Mesa's does; through negations it does not.
 fn sum_in_order(a: vec3f, b: vec3f, c: vec3f) -> vec3f {
     return -(-c - (a + b));
 }
 
 // WGSL's own may go by a reciprocal root, whose last bit would order surfaces that all but coincide in another way.
 fn normalized(vector: vec3f) -> vec3f {
-    let square = vector.x * vector.x + vector.y * vector.y + vector.z * vector.z;
-    return vector * (1.0 / sqrt(square));
+    return vector * (1.0 / sqrt(dot(vector, vector)));
 }
 
 fn normalize_or(vector: vec3f, otherwise: vec3f) -> vec3f {
     let square = dot(vector, vector);
     if square >= LEAST_SQUARE && square <= GREATEST_SQUARE {
-        return vector * (1.0 / sqrt(square));
+        return normalized(vector);
     }
     return otherwise;
 }
