@@ -9,7 +9,7 @@ use std::{
 
 use anyhow::{Context as _, bail, ensure};
 
-use crate::test::{apt_get, as_root};
+use crate::apt::{apt_get, as_root};
 
 /// Where drivers tell the Vulkan loader of themselves.
 const DRIVER_FOLDERS: [&str; 2] = ["/usr/share/vulkan/icd.d", "/etc/vulkan/icd.d"];
@@ -37,11 +37,11 @@ const LEAST_MESA: u32 = 25;
 /// Where the suite is written to.
 const BACKPORTS_FILE: &str = "/etc/apt/sources.list.d/bookworm-backports.sources";
 
-/// Installs the driver if there is none that traces rays. Elsewhere than on Debian and its kin the tests say what they miss.
-pub(crate) fn install() -> anyhow::Result<()> {
+/// Installs the driver if there is none that traces rays, and returns whether it did. For systems with apt.
+pub(crate) fn install() -> anyhow::Result<bool> {
     let is_old_release = fs::read_to_string("/etc/os-release").is_ok_and(|text| is_bookworm(&text));
     if has_driver(&driver_files(), is_old_release.then(mesa_version).flatten().as_deref(), is_old_release) {
-        return Ok(());
+        return Ok(false);
     }
     let mut arguments = vec!["install", "--yes", "--no-install-recommends"];
     if is_old_release {
@@ -49,7 +49,8 @@ pub(crate) fn install() -> anyhow::Result<()> {
         arguments.extend(["--target-release", BACKPORTS]);
     }
     apt_get(&["update"])?;
-    apt_get(&[arguments.as_slice(), &PACKAGES].concat())
+    apt_get(&[arguments.as_slice(), &PACKAGES].concat())?;
+    Ok(true)
 }
 
 /// Whether a driver is there that is new enough. `mesa`: the version of Mesa's package.

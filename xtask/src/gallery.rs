@@ -11,7 +11,7 @@ use anyhow::{Context as _, ensure};
 use clap::Args;
 use image::{ExtendedColorType, ImageEncoder as _, codecs::jpeg::JpegEncoder};
 
-use crate::{call, root};
+use crate::workspace::{call, root};
 
 /// Render a folder of scenes.
 #[derive(Args)]

@@ -1,11 +1,15 @@
-//! `cargo xtask results`: makes docs/results.md, the README's pictures and its tables, with the commands that did it.
+//! `cargo xtask results`: makes docs/results.md, the README's pictures and its tables, with the commands that
+//! did it.
 
 use std::{fs, process::Command, thread};
 
 use anyhow::{Context as _, ensure};
 use clap::Args;
 
-use crate::{call, gallery::jpeg_from_png, root};
+use crate::{
+    gallery::jpeg_from_png,
+    workspace::{call, root},
+};
 
 const BEGIN: &str = "<!-- results:begin -->";
 const END: &str = "<!-- results:end -->";

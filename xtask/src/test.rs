@@ -1,73 +1,61 @@
 //! `cargo xtask test`: the one command that says whether the project is sound. CI runs it and nothing else.
 
-use std::{
-    env,
-    process::{Command, Stdio},
+use std::time::{Duration, Instant};
+
+use crate::{
+    rules, setup,
+    workspace::{call, call_with},
 };
 
-use anyhow::ensure;
+type Step = (&'static str, fn() -> anyhow::Result<()>);
 
-use crate::{call, call_with, driver, rules};
+const STEPS: [Step; 6] = [
+    ("setup", setup::run),
+    ("format", || call("cargo", &["fmt", "--all", "--check"])),
+    ("rules", rules::run),
+    ("lint", || {
+        call("cargo", &["clippy", "--workspace", "--all-targets", "--locked", "--", "-D", "warnings"])
+    }),
+    ("test", || call("cargo", &["test", "--workspace", "--locked", "--no-fail-fast"])),
+    ("document", || {
+        call_with(
+            "cargo",
+            &["doc", "--workspace", "--no-deps", "--locked"],
+            &[("RUSTDOCFLAGS", "-D warnings")],
+        )
+    }),
+];
 
-/// Browsers that can look at the pages, as the library that drives them finds them.
-const BROWSERS: [&str; 4] = ["google-chrome-stable", "chromium", "chromium-browser", "chrome"];
-
+/// Runs the steps until one fails, and tells the time that each took.
 pub(crate) fn run() -> anyhow::Result<()> {
-    install()?;
-    check()
-}
-
-fn check() -> anyhow::Result<()> {
-    call("cargo", &["fmt", "--all", "--check"])?;
-    rules::run()?;
-    call("cargo", &["clippy", "--workspace", "--all-targets", "--locked", "--", "-D", "warnings"])?;
-    call("cargo", &["test", "--workspace", "--locked", "--no-fail-fast"])?;
-    call_with("cargo", &["doc", "--workspace", "--no-deps", "--locked"], &[("RUSTDOCFLAGS", "-D warnings")])
-}
-
-/// Brings what a machine with only Rust may lack.
-fn install() -> anyhow::Result<()> {
-    for (tool, component) in [("cargo-fmt", "rustfmt"), ("cargo-clippy", "clippy")] {
-        if !answers(tool) {
-            call("rustup", &["component", "add", component])?;
+    let mut times: Vec<(&str, Duration)> = Vec::new();
+    let mut result = Ok(());
+    for (name, step) in STEPS {
+        let start = Instant::now();
+        result = step();
+        times.push((name, start.elapsed()));
+        if result.is_err() {
+            break;
         }
     }
-    if !answers("apt-get") {
-        // The tests say what they miss.
-        return Ok(());
-    }
-    let has_browser = env::var_os("CHROME").is_some() || BROWSERS.into_iter().any(answers);
-    if !has_browser {
-        // Recommended packages would bring a desktop; letters are needed all the same.
-        apt_get(&["update"])?;
-        apt_get(&["install", "--yes", "--no-install-recommends", "chromium", "fonts-dejavu-core"])?;
-    }
-    driver::install()
+    eprintln!("\n{}", table(&times));
+    result
 }
 
-/// Runs apt-get without questions, with the rights that it takes.
-pub(crate) fn apt_get(arguments: &[&str]) -> anyhow::Result<()> {
-    eprintln!("$ apt-get {}", arguments.join(" "));
-    let mut command = as_root("env")?;
-    let status = command.args(["DEBIAN_FRONTEND=noninteractive", "apt-get"]).args(arguments).status()?;
-    ensure!(status.success(), "apt-get {} failed", arguments.join(" "));
-    Ok(())
+/// The steps' times, a line each, and their sum.
+fn table(times: &[(&str, Duration)]) -> String {
+    let row = |name: &str, time: Duration| format!("{name:<10}{:>8.1} s\n", time.as_secs_f64());
+    let rows: String = times.iter().map(|&(name, time)| row(name, time)).collect();
+    rows + &row("all", times.iter().map(|(_, time)| *time).sum())
 }
 
-/// A program with the rights of the administrator.
-pub(crate) fn as_root(program: &str) -> anyhow::Result<Command> {
-    let id = Command::new("id").arg("-u").output()?;
-    if id.stdout == b"0\n" {
-        return Ok(Command::new(program));
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_table_tells_each_time_and_their_sum() {
+        let times = [("format", Duration::from_millis(1500)), ("test", Duration::from_secs(600))];
+        assert_eq!(table(&times), "format         1.5 s\ntest         600.0 s\nall          601.5 s\n");
     }
-    let mut command = Command::new("sudo");
-    command.arg(program);
-    Ok(command)
-}
-
-/// Whether a program is there and runs.
-fn answers(program: &str) -> bool {
-    let mut command = Command::new(program);
-    command.arg("--version").stdout(Stdio::null()).stderr(Stdio::null());
-    command.status().is_ok_and(|status| status.success())
 }

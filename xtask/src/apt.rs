@@ -1,0 +1,25 @@
+//! Debian's package manager, and the rights that it takes.
+
+use std::process::Command;
+
+use anyhow::ensure;
+
+/// Runs apt-get without questions, with the rights that it takes.
+pub(crate) fn apt_get(arguments: &[&str]) -> anyhow::Result<()> {
+    eprintln!("$ apt-get {}", arguments.join(" "));
+    let mut command = as_root("env")?;
+    let status = command.args(["DEBIAN_FRONTEND=noninteractive", "apt-get"]).args(arguments).status()?;
+    ensure!(status.success(), "apt-get {} failed", arguments.join(" "));
+    Ok(())
+}
+
+/// A program with the rights of the administrator.
+pub(crate) fn as_root(program: &str) -> anyhow::Result<Command> {
+    let id = Command::new("id").arg("-u").output()?;
+    if id.stdout == b"0\n" {
+        return Ok(Command::new(program));
+    }
+    let mut command = Command::new("sudo");
+    command.arg(program);
+    Ok(command)
+}

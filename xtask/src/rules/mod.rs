@@ -1,0 +1,81 @@
+//! `cargo xtask rules`: what the compiler cannot check.
+
+mod architecture;
+mod width;
+
+use std::{fs, process::Command};
+
+use anyhow::{Context as _, ensure};
+
+use crate::{graph::FileGraph, workspace};
+
+/// Words that confess that one thing was written twice.
+const CONFESSIONS: [[&str; 2]; 2] = [["keep in", "sync"], ["must", "match"]];
+
+pub(crate) fn run() -> anyhow::Result<()> {
+    let mut broken = Vec::new();
+    let architecture = read("ARCHITECTURE.md")?;
+    for path in architecture::missing_paths(&architecture, &workspace::root()) {
+        broken.push(format!("ARCHITECTURE.md names {path}, which does not exist"));
+    }
+    let mut uses = architecture::Uses::new();
+    for (name, folder) in workspace::crates()? {
+        let manifest = fs::read_to_string(folder.join("Cargo.toml")).with_context(|| name.clone())?;
+        uses.insert(name.clone(), architecture::used_by(&manifest));
+        let graph = FileGraph::of_crate(&folder)?;
+        for circle in graph.circles() {
+            // Reported until the last one is gone.
+            eprintln!("rules: files of {name} use each other in a circle:\n{}", circle.trim_end());
+        }
+    }
+    for difference in architecture::differences(&architecture::drawn(&architecture), &uses) {
+        broken.push(format!("the graph of crates in ARCHITECTURE.md: {difference}"));
+    }
+    let width = width::set_width(&read("rustfmt.toml")?).context("rustfmt.toml sets no max_width")?;
+    let mut wide = 0;
+    for file in sources()? {
+        // A file that is deleted but not yet committed is listed too.
+        let Ok(text) = fs::read_to_string(workspace::root().join(&file)) else { continue };
+        if let Some(line) = confession(&text) {
+            broken.push(format!(
+                "{file}:{line}: a value that has to be kept equal by hand; derive one from the other"
+            ));
+        }
+        wide += width::too_wide(&text, width).len();
+    }
+    eprintln!("rules: {wide} comments go beyond {width} columns");
+    ensure!(broken.is_empty(), "{}", broken.join("\n"));
+    Ok(())
+}
+
+fn read(name: &str) -> anyhow::Result<String> {
+    fs::read_to_string(workspace::root().join(name)).with_context(|| name.to_owned())
+}
+
+/// All sources that git knows.
+fn sources() -> anyhow::Result<Vec<String>> {
+    let listing =
+        Command::new("git").args(["ls-files", "*.rs", "*.wgsl"]).current_dir(workspace::root()).output()?;
+    let listing = String::from_utf8(listing.stdout)?;
+    ensure!(!listing.is_empty(), "git lists no sources");
+    Ok(listing.lines().map(str::to_owned).collect())
+}
+
+/// Number of the first line that confesses.
+fn confession(text: &str) -> Option<usize> {
+    let phrases = CONFESSIONS.map(|words| words.join(" "));
+    let found = |line: &str| phrases.iter().any(|phrase| line.to_ascii_lowercase().contains(phrase));
+    text.lines().position(found).map(|index| index + 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_confession_is_found_with_its_line() {
+        let text = format!("let a = 1;\n// {} with b\n", CONFESSIONS[0].join(" "));
+        assert_eq!(confession(&text), Some(2));
+        assert_eq!(confession("// derived from b"), None);
+    }
+}

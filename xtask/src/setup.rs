@@ -1,0 +1,48 @@
+//! `cargo xtask setup`: installs what the tests need and a machine with only Rust lacks.
+
+use std::{
+    env,
+    process::{Command, Stdio},
+};
+
+use crate::{apt::apt_get, driver, workspace::call};
+
+/// Browsers that can look at the pages, as the library that drives them finds them.
+const BROWSERS: [&str; 4] = ["google-chrome-stable", "chromium", "chromium-browser", "chrome"];
+
+/// Installs what is missing and says of each thing whether it was there.
+pub(crate) fn run() -> anyhow::Result<()> {
+    for (tool, component) in [("cargo-fmt", "rustfmt"), ("cargo-clippy", "clippy")] {
+        if answers(tool) {
+            eprintln!("setup: {component} is there");
+        } else {
+            call("rustup", &["component", "add", component])?;
+            eprintln!("setup: {component} is installed");
+        }
+    }
+    if !answers("apt-get") {
+        eprintln!(
+            "setup: no apt-get here; a browser and a Vulkan driver have to be there, or the tests say what they miss"
+        );
+        return Ok(());
+    }
+    let has_browser = env::var_os("CHROME").is_some() || BROWSERS.into_iter().any(answers);
+    if has_browser {
+        eprintln!("setup: a browser is there");
+    } else {
+        // Recommended packages would bring a desktop; letters are needed all the same.
+        apt_get(&["update"])?;
+        apt_get(&["install", "--yes", "--no-install-recommends", "chromium", "fonts-dejavu-core"])?;
+        eprintln!("setup: a browser is installed");
+    }
+    let installed = driver::install()?;
+    eprintln!("setup: a Vulkan driver that traces rays is {}", if installed { "installed" } else { "there" });
+    Ok(())
+}
+
+/// Whether a program is there and runs.
+fn answers(program: &str) -> bool {
+    let mut command = Command::new(program);
+    command.arg("--version").stdout(Stdio::null()).stderr(Stdio::null());
+    command.status().is_ok_and(|status| status.success())
+}

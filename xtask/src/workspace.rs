@@ -1,0 +1,47 @@
+//! The workspace: where it lies, what crates it has, and programs run in its root.
+
+use std::{
+    collections::BTreeMap,
+    fs,
+    path::{Path, PathBuf},
+    process::Command,
+};
+
+use anyhow::{Context as _, ensure};
+
+/// The root of the workspace.
+pub(crate) fn root() -> PathBuf {
+    let own = Path::new(env!("CARGO_MANIFEST_DIR"));
+    own.parent().unwrap_or(own).to_owned()
+}
+
+/// The folders of all crates by their names below `crates`, and this one.
+pub(crate) fn crates() -> anyhow::Result<BTreeMap<String, PathBuf>> {
+    let mut crates = BTreeMap::from([("xtask".to_owned(), root().join("xtask"))]);
+    for entry in fs::read_dir(root().join("crates")).context("crates")? {
+        let entry = entry?;
+        if entry.path().join("Cargo.toml").is_file() {
+            crates.insert(entry.file_name().to_string_lossy().into_owned(), entry.path());
+        }
+    }
+    Ok(crates)
+}
+
+/// Runs a program in the root of the workspace and fails if it fails.
+pub(crate) fn call(program: &str, arguments: &[&str]) -> anyhow::Result<()> {
+    call_with(program, arguments, &[])
+}
+
+/// Runs a program in the root of the workspace with environment variables of its own and fails if it fails.
+pub(crate) fn call_with(
+    program: &str,
+    arguments: &[&str],
+    environment: &[(&str, &str)],
+) -> anyhow::Result<()> {
+    eprintln!("$ {program} {}", arguments.join(" "));
+    let mut command = Command::new(program);
+    command.args(arguments).envs(environment.iter().copied()).current_dir(root());
+    let status = command.status().with_context(|| format!("cannot run {program}"))?;
+    ensure!(status.success(), "{program} {} failed", arguments.join(" "));
+    Ok(())
+}
