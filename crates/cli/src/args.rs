@@ -5,7 +5,7 @@ use std::{fmt, fs, path::PathBuf, str::FromStr};
 use clap::{Args, Parser, Subcommand, ValueEnum, builder::RangedU64ValueParser, value_parser};
 use glam::Vec3;
 use sheer_core::{colour::linear_from_srgb, coverage::Correction, parameter::split_name};
-use sheer_gpu::{AdapterChoice, PathChoice};
+use sheer_gpu::{AdapterChoice, GpuPathChoice};
 use sheer_image::unit_from_u8;
 use sheer_render::{Antialiasing, Background, Method, Shadow};
 use sheer_scene::CameraChoice;
@@ -326,25 +326,25 @@ pub(crate) enum Backend {
     /// The processor.
     Cpu,
     /// A GPU.
-    Gpu(PathChoice),
+    Gpu(GpuPathChoice),
 }
 
 impl Backend {
     /// All, in the order in which they are listed.
     const ALL: [Self; 4] = [
         Self::Cpu,
-        Self::Gpu(PathChoice::Automatic),
-        Self::Gpu(PathChoice::Ray),
-        Self::Gpu(PathChoice::Raster),
+        Self::Gpu(GpuPathChoice::Automatic),
+        Self::Gpu(GpuPathChoice::Ray),
+        Self::Gpu(GpuPathChoice::Raster),
     ];
 
     /// The word on the command line.
     pub(crate) fn word(self) -> &'static str {
         match self {
             Self::Cpu => "cpu",
-            Self::Gpu(PathChoice::Automatic) => "gpu",
-            Self::Gpu(PathChoice::Ray) => "gpu:ray",
-            Self::Gpu(PathChoice::Raster) => "gpu:raster",
+            Self::Gpu(GpuPathChoice::Automatic) => "gpu",
+            Self::Gpu(GpuPathChoice::Ray) => "gpu:ray",
+            Self::Gpu(GpuPathChoice::Raster) => "gpu:raster",
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use std::{borrow::Cow, env, fs, sync::Arc};
 
-use sheer_gpu::{Gpu, PathChoice};
+use sheer_gpu::{Gpu, GpuPathChoice};
 use sheer_image::Planes;
 use sheer_render::{Antialiasing, Counters, Method, Moment, Settings, StepTime, Timings, contract::Memory};
 use sheer_scene::{CameraChoice, Scene};
@@ -139,12 +139,12 @@ impl Renderer for Cpu {
 #[derive(Clone, Debug)]
 pub(crate) struct OnGpu {
     gpu: Arc<Gpu>,
-    path: PathChoice,
+    path: GpuPathChoice,
 }
 
 impl Renderer for OnGpu {
-    type Stage = sheer_gpu::Stage;
-    type Pipeline = sheer_gpu::Pipeline;
+    type Stage = sheer_gpu::GpuStage;
+    type Pipeline = sheer_gpu::GpuPipeline;
 
     fn word(&self) -> &'static str {
         Backend::Gpu(self.path).word()
@@ -160,7 +160,7 @@ impl Renderer for OnGpu {
         camera: &CameraChoice,
         threads: Option<usize>,
     ) -> anyhow::Result<Self::Stage> {
-        Ok(sheer_gpu::Stage::new(&self.gpu, scene, camera, threads)?)
+        Ok(sheer_gpu::GpuStage::new(&self.gpu, scene, camera, threads)?)
     }
 
     fn threads(&self, stage: &Self::Stage) -> usize {
@@ -177,7 +177,7 @@ impl Renderer for OnGpu {
         antialiasing: Antialiasing,
         settings: Settings,
     ) -> anyhow::Result<Self::Pipeline> {
-        Ok(sheer_gpu::Pipeline::new(&self.gpu, self.path, method.clone(), antialiasing, settings)?)
+        Ok(sheer_gpu::GpuPipeline::new(&self.gpu, self.path, method.clone(), antialiasing, settings)?)
     }
 
     fn render(

@@ -9,7 +9,7 @@ use std::{
 
 use wgpu::{DeviceType, ErrorFilter, Features, TextureFormat, TextureFormatFeatureFlags};
 
-use crate::GpuError;
+use crate::error::GpuError;
 
 /// Which adapter is taken.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -17,7 +17,7 @@ pub enum AdapterChoice {
     /// The fastest by its kind, then the one that can trace rays.
     #[default]
     Best,
-    /// The one at a place in [`adapters`], or the first whose name or driver contains a text, whatever its case.
+    /// The one at an index of [`adapters`], or the first whose name or driver contains a text, whatever its case.
     Named(String),
 }
 
@@ -260,7 +260,7 @@ impl Gpu {
         if let Some(reason) = &faults.lost {
             return Err(GpuError::DeviceLost { reason: reason.clone() });
         }
-        errors.into_iter().next().map_or(Ok(()), |error| Err(told(error, what)))
+        errors.into_iter().next().map_or(Ok(()), |error| Err(gpu_error(error, what)))
     }
 
     /// Compiles a linked shader.
@@ -293,7 +293,7 @@ impl Gpu {
 }
 
 /// An error of wgpu as one of ours; `what` was being done.
-fn told(error: wgpu::Error, what: &str) -> GpuError {
+fn gpu_error(error: wgpu::Error, what: &str) -> GpuError {
     match error {
         wgpu::Error::OutOfMemory { .. } => GpuError::OutOfMemory { what: what.to_owned() },
         wgpu::Error::Validation { description, .. } | wgpu::Error::Internal { description, .. } => {
@@ -409,7 +409,8 @@ mod tests {
 
     #[test]
     fn memory_that_runs_out_is_named_with_a_way_out() {
-        let error = told(wgpu::Error::OutOfMemory { source: "none left".into() }, "list nodes").to_string();
+        let error =
+            gpu_error(wgpu::Error::OutOfMemory { source: "none left".into() }, "list nodes").to_string();
         assert!(error.contains("no memory left for list nodes") && error.contains("--size"), "{error}");
     }
 }

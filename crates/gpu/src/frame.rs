@@ -76,7 +76,7 @@ pub(crate) struct FrameUniform {
 
 /// What differs from pipeline to pipeline and from frame to frame.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Shot {
+pub(crate) struct FrameParameters {
     /// Pixels.
     pub(crate) size: [u32; 2],
     /// Offset of the sample from the pixel centre, pixels.
@@ -92,9 +92,9 @@ pub(crate) struct Shot {
 }
 
 impl FrameUniform {
-    pub(crate) fn new(frame: &Frame, extent: &Extent, shot: &Shot) -> Self {
+    pub(crate) fn new(frame: &Frame, extent: &Extent, parameters: &FrameParameters) -> Self {
         let scene = frame.scene().parts();
-        let (background_kind, background_rgb) = match shot.background {
+        let (background_kind, background_rgb) = match parameters.background {
             Background::Environment => (BACKGROUND_ENVIRONMENT, Vec3::ZERO),
             Background::Colour(rgb) => (BACKGROUND_COLOUR, rgb),
             Background::None => (BACKGROUND_NONE, Vec3::ZERO),
@@ -103,10 +103,10 @@ impl FrameUniform {
         Self {
             camera: frame.camera().into(),
             previous_camera: frame.previous_camera().into(),
-            size: shot.size,
-            jitter: shot.jitter.into(),
-            index: shot.index,
-            seed: shot.seed,
+            size: parameters.size,
+            jitter: parameters.jitter.into(),
+            index: parameters.index,
+            seed: parameters.seed,
             triangle_count: frame.triangles().len() as u32,
             static_count: frame.static_count() as u32,
             light_count: frame.lights().len() as u32,
@@ -122,9 +122,9 @@ impl FrameUniform {
             ground: scene.environment.ground.into(),
             depth_far,
             reach: extent.reach(frame.camera()),
-            hybrid_visibility: shot.hybrid.visibility,
-            hybrid_layers: shot.hybrid.layers.unwrap_or(u32::MAX),
-            inverse_height: (shot.size[1] as f32).recip(),
+            hybrid_visibility: parameters.hybrid.visibility,
+            hybrid_layers: parameters.hybrid.layers.unwrap_or(u32::MAX),
+            inverse_height: (parameters.size[1] as f32).recip(),
         }
     }
 }

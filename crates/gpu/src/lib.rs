@@ -1,31 +1,29 @@
 //! The GPU backend: the same scenes, the same methods and the same pictures as on the CPU, by ray query or by raster through wgpu.
 
 mod accel;
-mod bindings;
-mod bvh;
 mod device;
 mod error;
 mod frame;
+mod layouts;
 mod pipeline;
 mod pixels;
-#[cfg(test)]
-mod probe;
 mod raster;
 mod ray;
 mod recording;
+mod resource;
 pub mod scene;
 mod shader;
 mod shadow;
 mod stage;
 mod tables;
 mod temporal;
-mod timing;
 #[cfg(test)]
-mod traversal_tests;
+mod tests;
+mod timing;
 
 pub use crate::{
     device::{AdapterChoice, AdapterReport, Gpu, Tracer, adapters},
     error::GpuError,
-    pipeline::{Path, PathChoice, Pipeline},
-    stage::Stage,
+    pipeline::{GpuPath, GpuPathChoice, GpuPipeline},
+    stage::GpuStage,
 };

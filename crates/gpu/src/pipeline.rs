@@ -10,18 +10,19 @@ use sheer_render::{
 use wgpu::{BufferUsages, util::DeviceExt};
 
 use crate::{
-    GpuError,
-    bindings::{Layouts, buffer, storage},
-    bvh,
+    accel,
     device::{Gpu, Tracer},
-    frame::{FrameUniform, Shot},
+    error::GpuError,
+    frame::{FrameParameters, FrameUniform},
+    layouts::Layouts,
     pixels::{PIXEL_BYTES, read_planes},
     raster::{RasterPath, stochastic::Sampling},
     ray::{RayPath, Search},
     recording::{Groups, Recording},
+    resource::buffer::{buffer, pixel_buffer},
     shader::Linker,
     shadow::{self, MapRays, MapSettings, ShadowMaps},
-    stage::Stage,
+    stage::GpuStage,
     tables::Tables,
     temporal::{self, History},
     timing::Timer,
@@ -29,7 +30,7 @@ use crate::{
 
 /// How pixels come about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Path {
+pub enum GpuPath {
     /// Each pixel follows its ray.
     Ray,
     /// All triangles are drawn.
@@ -38,7 +39,7 @@ pub enum Path {
 
 /// What the user says of it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum PathChoice {
+pub enum GpuPathChoice {
     /// Rays where the device traces them itself and the method goes by rays, else raster.
     #[default]
     Automatic,
@@ -85,10 +86,10 @@ struct Resources {
 
 /// A method and its accumulated history.
 #[derive(Debug)]
-pub struct Pipeline {
+pub struct GpuPipeline {
     gpu: Arc<Gpu>,
     method: Method,
-    path: Path,
+    path: GpuPath,
     antialiasing: Antialiasing,
     settings: Settings,
     notes: Vec<String>,
@@ -97,38 +98,42 @@ pub struct Pipeline {
 }
 
 /// Decides by what the method is and what the device can.
-fn choose_path(gpu: &Gpu, choice: PathChoice, method: &Method) -> Result<(Path, Vec<String>), GpuError> {
+fn choose_path(
+    gpu: &Gpu,
+    choice: GpuPathChoice,
+    method: &Method,
+) -> Result<(GpuPath, Vec<String>), GpuError> {
     let goes_by_rays = Search::of(method).is_some();
     match choice {
-        PathChoice::Raster => Ok((Path::Raster, Vec::new())),
-        PathChoice::Ray if goes_by_rays => Ok((Path::Ray, Vec::new())),
-        PathChoice::Ray => Err(GpuError::Unsupported {
+        GpuPathChoice::Raster => Ok((GpuPath::Raster, Vec::new())),
+        GpuPathChoice::Ray if goes_by_rays => Ok((GpuPath::Ray, Vec::new())),
+        GpuPathChoice::Ray => Err(GpuError::Unsupported {
             what: format!(
                 "method {} wants its fragments in the order in which they are drawn",
                 method.info().id
             ),
             instead: "take --backend gpu or gpu:raster".to_owned(),
         }),
-        PathChoice::Automatic if !goes_by_rays => Ok((Path::Raster, Vec::new())),
-        PathChoice::Automatic if gpu.tracer() == Tracer::Query => Ok((Path::Ray, Vec::new())),
-        PathChoice::Automatic => {
+        GpuPathChoice::Automatic if !goes_by_rays => Ok((GpuPath::Raster, Vec::new())),
+        GpuPathChoice::Automatic if gpu.tracer() == Tracer::Query => Ok((GpuPath::Ray, Vec::new())),
+        GpuPathChoice::Automatic => {
             let name = &gpu.report().name;
             let note = format!(
                 "{name} has no ray query: {method} is drawn by raster; --backend gpu:ray traces it all the same"
             );
-            Ok((Path::Raster, vec![note]))
+            Ok((GpuPath::Raster, vec![note]))
         }
     }
 }
 
-impl Pipeline {
+impl GpuPipeline {
     /// Compiles what the method needs; nothing is rendered yet.
     ///
     /// # Errors
     /// The path does not run the method or the shadows, the picture is too large, or the device refuses.
     pub fn new(
         gpu: &Arc<Gpu>,
-        choice: PathChoice,
+        choice: GpuPathChoice,
         method: Method,
         antialiasing: Antialiasing,
         settings: Settings,
@@ -161,7 +166,7 @@ impl Pipeline {
 
     /// How its pixels come about.
     #[must_use]
-    pub fn path(&self) -> Path {
+    pub fn path(&self) -> GpuPath {
         self.path
     }
 
@@ -182,7 +187,7 @@ impl Pipeline {
     ///
     /// # Errors
     /// The device refuses, has no memory left, or is lost twice.
-    pub fn render(&mut self, stage: &mut Stage, index: u32) -> Result<(Counters, Timings), GpuError> {
+    pub fn render(&mut self, stage: &mut GpuStage, index: u32) -> Result<(Counters, Timings), GpuError> {
         self.twice_if_lost(|pipeline| pipeline.try_render(stage, index))
     }
 
@@ -191,7 +196,7 @@ impl Pipeline {
     ///
     /// # Errors
     /// As [`Self::render`].
-    pub fn submit(&mut self, stage: &mut Stage, index: u32) -> Result<(), GpuError> {
+    pub fn submit(&mut self, stage: &mut GpuStage, index: u32) -> Result<(), GpuError> {
         self.twice_if_lost(|pipeline| pipeline.try_submit(stage, index))?;
         // What earlier frames no longer need is given back.
         let polled = self.gpu.device().poll(wgpu::PollType::Poll);
@@ -212,7 +217,7 @@ impl Pipeline {
         }
     }
 
-    fn try_render(&mut self, stage: &mut Stage, index: u32) -> Result<(Counters, Timings), GpuError> {
+    fn try_render(&mut self, stage: &mut GpuStage, index: u32) -> Result<(Counters, Timings), GpuError> {
         let start = Instant::now();
         let map_rays = self.try_submit(stage, index)?;
         let mut counters = self.resources.read_counters(&self.gpu)?;
@@ -223,7 +228,7 @@ impl Pipeline {
     }
 
     /// Sends a frame off; how many rays make its shadow maps.
-    fn try_submit(&mut self, stage: &mut Stage, index: u32) -> Result<u64, GpuError> {
+    fn try_submit(&mut self, stage: &mut GpuStage, index: u32) -> Result<u64, GpuError> {
         stage.renew()?;
         if self.resources.generation != self.gpu.generation() {
             self.resources =
@@ -233,8 +238,8 @@ impl Pipeline {
         let Settings { size, seed, background, .. } = self.settings;
         let hybrid = Search::of(&self.method).map_or(Hybrid::NONE, |search| search.hybrid);
         let jitter = jitter(self.antialiasing, frame);
-        let shot = Shot { size, jitter, index: frame, seed, background, hybrid };
-        self.resources.submit(&self.gpu, stage, &shot, self.method.alignment_px())
+        let parameters = FrameParameters { size, jitter, index: frame, seed, background, hybrid };
+        self.resources.submit(&self.gpu, stage, &parameters, self.method.alignment_px())
     }
 
     /// The picture so far, read back: colour accumulated, everything else of the last frame.
@@ -271,7 +276,7 @@ fn timings(build_ms: f64, wall_ms: f64, steps: &[StepTime]) -> Timings {
 impl Resources {
     fn new(
         gpu: &Arc<Gpu>,
-        path: Path,
+        path: GpuPath,
         method: &Method,
         antialiasing: Antialiasing,
         settings: &Settings,
@@ -279,8 +284,13 @@ impl Resources {
         let generation = gpu.generation();
         let device = gpu.device();
         let maps = MapSettings::of(&settings.shadow)?;
-        let layouts = Layouts::new(&device, gpu.tracer(), maps.is_some());
-        let pixels = storage(gpu, settings.size, "pixels", [PIXEL_BYTES, 0], BufferUsages::COPY_SRC)?;
+        let map_entries = maps.map(|_| ShadowMaps::layout_entries(ShadowMaps::READERS, true));
+        let layouts = Layouts::new(
+            &device,
+            &GpuStage::layout_entries(gpu.tracer()),
+            map_entries.as_ref().map_or(&[], |entries| &entries[..]),
+        );
+        let pixels = pixel_buffer(gpu, settings.size, "pixels", [PIXEL_BYTES, 0], BufferUsages::COPY_SRC)?;
         let usage = BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
         let counters = buffer(&device, "counters", COUNTER_BYTES, usage);
         let read = BufferUsages::MAP_READ | BufferUsages::COPY_DST;
@@ -296,15 +306,19 @@ impl Resources {
             contents: bytemuck::cast_slice(&table_words.words),
             usage: BufferUsages::STORAGE,
         });
-        let surfaces = storage(gpu, settings.size, "surfaces", [SURFACE_BYTES, 0], BufferUsages::empty())?;
+        let surfaces =
+            pixel_buffer(gpu, settings.size, "surfaces", [SURFACE_BYTES, 0], BufferUsages::empty())?;
         let mut linker = base_linker(gpu.tracer()).constants(table_words.constants());
         if let Some(maps) = maps {
             linker = linker.alias("shadow", "shared/shadow_map").constants(maps.constants());
         }
         let shadows = maps.map(|maps| ShadowMaps::new(gpu, maps, &linker, &layouts)).transpose()?;
-        let pass_group = layouts.pass_group(&device, [&pixels, &counters, &surfaces], shadows.as_ref());
+        let pass_group =
+            layouts.pass_group(&device, [&pixels, &counters, &surfaces], map_entries_of(shadows.as_ref()));
         let executor = match (path, Search::of(method)) {
-            (Path::Ray, Some(search)) => Executor::Ray(RayPath::new(gpu, method, search, &linker, &layouts)?),
+            (GpuPath::Ray, Some(search)) => {
+                Executor::Ray(RayPath::new(gpu, method, search, &linker, &layouts)?)
+            }
             (_, search) => {
                 Executor::Raster(Box::new(RasterPath::new(gpu, method, search, settings, &linker, &layouts)?))
             }
@@ -331,23 +345,29 @@ impl Resources {
     }
 
     /// Records and submits a frame; how many rays make its shadow maps.
-    fn submit(&mut self, gpu: &Gpu, stage: &Stage, shot: &Shot, alignment_px: u32) -> Result<u64, GpuError> {
+    fn submit(
+        &mut self,
+        gpu: &Gpu,
+        stage: &GpuStage,
+        parameters: &FrameParameters,
+        alignment_px: u32,
+    ) -> Result<u64, GpuError> {
         let (device, queue) = (gpu.device(), gpu.queue());
-        let uniform = FrameUniform::new(stage.frame(), stage.extent(), shot);
+        let uniform = FrameUniform::new(stage.frame(), stage.extent(), parameters);
         queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(&uniform));
         let map_rays = match &mut self.shadows {
-            Some(shadows) => shadows.prepare(gpu, stage, shot)?,
+            Some(shadows) => shadows.prepare(gpu, stage, parameters)?,
             None => MapRays::default(),
         };
         if map_rays.replaced {
             self.pass_group = self.layouts.pass_group(
                 &device,
                 [&self.pixels, &self.counters, &self.surfaces],
-                self.shadows.as_ref(),
+                map_entries_of(self.shadows.as_ref()),
             );
         }
         if self.scene_group.as_ref().is_none_or(|(version, _)| *version != stage.version()) {
-            let group = self.layouts.scene_group(&device, &self.frame, &self.tables, stage);
+            let group = self.layouts.scene_group(&device, &self.frame, &self.tables, stage.entries());
             self.scene_group = Some((stage.version(), group));
         }
         let Some((_, scene)) = &self.scene_group else { unreachable!("made just now") };
@@ -357,7 +377,7 @@ impl Resources {
         let mut recording = Recording {
             encoder: &mut encoder,
             timer: &mut self.timer,
-            size: shot.size,
+            size: parameters.size,
             triangle_count: uniform.triangle_count,
         };
         if let Some(shadows) = &self.shadows {
@@ -373,7 +393,7 @@ impl Resources {
             &mut encoder,
             &mut self.timer,
             &self.pixels,
-            [alignment_px, shot.index, shot.seed],
+            [alignment_px, parameters.index, parameters.seed],
         );
         encoder.copy_buffer_to_buffer(&self.counters, 0, &self.counters_read, 0, COUNTER_BYTES);
         self.timer.resolve(&mut encoder);
@@ -399,6 +419,11 @@ impl Resources {
     }
 }
 
+/// What binds the shadow maps in group 1; nothing without maps.
+fn map_entries_of(shadows: Option<&ShadowMaps>) -> impl Iterator<Item = wgpu::BindGroupEntry<'_>> {
+    shadows.into_iter().flat_map(ShadowMaps::entries)
+}
+
 /// What all methods have in common.
 pub(crate) fn base_linker(tracer: Tracer) -> Linker {
     let traverse = match tracer {
@@ -406,7 +431,7 @@ pub(crate) fn base_linker(tracer: Tracer) -> Linker {
         Tracer::Bvh => "shared/traverse_bvh",
     };
     Linker::new()
-        .constants(bvh::constants())
+        .constants(accel::constants())
         .alias("traverse", traverse)
         // What a camera ray goes through, which on the raster path is something else.
         .alias("camera", traverse)

@@ -4,7 +4,7 @@ use bytemuck::{Pod, Zeroable};
 use rayon::prelude::*;
 use sheer_image::{Pixel, Planes};
 
-use crate::{GpuError, device::Gpu};
+use crate::{device::Gpu, error::GpuError, resource::buffer::buffer};
 
 /// What a frame knows of a pixel: shaders/shared/pixel.wgsl.
 #[repr(C)]
@@ -60,16 +60,9 @@ pub(crate) fn read_planes(
     let mut planes = Planes::new(width, height)?;
     let count = u64::from(width) * u64::from(height);
     let device = gpu.device();
-    let buffer = |label, size| {
-        device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some(label),
-            size,
-            usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        })
-    };
-    let pixels_read = buffer("pixels to read", count * PIXEL_BYTES);
-    let colour_read = buffer("colour to read", count * COLOUR_BYTES);
+    let usage = wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST;
+    let pixels_read = buffer(&device, "pixels to read", count * PIXEL_BYTES, usage);
+    let colour_read = buffer(&device, "colour to read", count * COLOUR_BYTES, usage);
     let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
     encoder.copy_buffer_to_buffer(pixels, 0, &pixels_read, 0, count * PIXEL_BYTES);
     encoder.copy_buffer_to_buffer(colour, 0, &colour_read, 0, count * COLOUR_BYTES);

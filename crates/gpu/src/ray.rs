@@ -6,15 +6,15 @@ use sheer_render::{
 };
 
 use crate::{
-    GpuError,
-    bindings::{Layouts, compute_pipeline},
     device::Gpu,
-    recording::{Groups, Recording},
+    error::GpuError,
+    layouts::Layouts,
+    recording::{Groups, Recording, compute_pipeline},
     shader::Linker,
 };
 
 /// Fragments that one traversal keeps in order. More are found by a further ray; each takes 16 bytes of registers or local memory.
-const PLACES: u32 = 8;
+const LAYER_CAPACITY: u32 = 8;
 
 /// The piece for methods that decide hit by hit.
 const FIND_THRESHOLD: &str = "pass/find_threshold";
@@ -27,7 +27,7 @@ pub(crate) struct Search {
     /// Up to where fragments are exact.
     pub(crate) hybrid: Hybrid,
     /// Fragments a traversal.
-    places: u32,
+    layer_capacity: u32,
 }
 
 struct SearchOf<'a>(&'a Method);
@@ -36,20 +36,20 @@ impl Visitor for SearchOf<'_> {
     type Output = Option<Search>;
 
     fn threshold(self, _: &impl Threshold) -> Option<Search> {
-        Some(Search { find: FIND_THRESHOLD, hybrid: self.0.hybrid(), places: PLACES })
+        Some(Search { find: FIND_THRESHOLD, hybrid: self.0.hybrid(), layer_capacity: LAYER_CAPACITY })
     }
 
     fn selection(self, _: &impl Selection) -> Option<Search> {
-        Some(Search { find: "pass/find_selection", hybrid: self.0.hybrid(), places: PLACES })
+        Some(Search { find: "pass/find_selection", hybrid: self.0.hybrid(), layer_capacity: LAYER_CAPACITY })
     }
 
     fn compositing(self, method: &impl Compositing) -> Option<Search> {
-        let places = match method.gathering() {
-            Gathering::Sorted => PLACES,
+        let layer_capacity = match method.gathering() {
+            Gathering::Sorted => LAYER_CAPACITY,
             Gathering::Continuation => 1,
             Gathering::Unordered { .. } => return None,
         };
-        Some(Search { find: "pass/find_nothing", hybrid: Hybrid::EXACT, places })
+        Some(Search { find: "pass/find_nothing", hybrid: Hybrid::EXACT, layer_capacity })
     }
 }
 
@@ -87,7 +87,7 @@ impl Search {
 
     /// Emitted for the shader.
     pub(crate) fn constants(self) -> String {
-        format!("const PLACES: u32 = {}u;\n", self.places)
+        format!("const LAYER_CAPACITY: u32 = {}u;\n", self.layer_capacity)
     }
 }
 

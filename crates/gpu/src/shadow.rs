@@ -14,16 +14,20 @@ use sheer_render::{
 use wgpu::{BindGroupEntry, BindGroupLayoutEntry, BufferBindingType, BufferUsages, ShaderStages};
 
 use crate::{
-    GpuError,
-    bindings::{Layouts, buffer, buffer_entry, compute_pipeline, whole},
     device::Gpu,
-    frame::Shot,
-    recording::{GROUP_SIDE, Recording},
+    error::GpuError,
+    frame::FrameParameters,
+    layouts::Layouts,
+    recording::{GROUP_SIDE, Recording, compute_pipeline},
+    resource::{
+        bind_group::{buffer_entry, group_of, layout, whole},
+        buffer::{buffer, storage_limit},
+    },
     shader::{
         Linker,
-        constants::{self, Constant},
+        constant::{self, Constant},
     },
-    stage::Stage,
+    stage::GpuStage,
 };
 
 /// The step in which maps are made.
@@ -68,7 +72,7 @@ impl MapSettings {
     /// Emitted for all shaders that make maps or look light up in them.
     pub(crate) fn constants(self) -> String {
         let Self { samples, is_stratified, is_corrected, filter, taps, .. } = self;
-        let numbers = constants::text(&[
+        let numbers = constant::text(&[
             Constant::new("SHADOW_SAMPLES", samples),
             Constant::new("SHADOW_FILTER", filter),
             Constant::new("SHADOW_TAPS", taps),
@@ -161,6 +165,9 @@ fn storage(device: &wgpu::Device, label: &str, size: u64) -> wgpu::Buffer {
 }
 
 impl ShadowMaps {
+    /// The stages that look light up in maps: fragments are shaded in both.
+    pub(crate) const READERS: ShaderStages = ShaderStages::FRAGMENT.union(ShaderStages::COMPUTE);
+
     pub(crate) fn new(
         gpu: &Gpu,
         settings: MapSettings,
@@ -168,10 +175,7 @@ impl ShadowMaps {
         layouts: &Layouts,
     ) -> Result<Self, GpuError> {
         let device = gpu.device();
-        let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-            label: Some(STEP),
-            entries: &Self::layout_entries(ShaderStages::COMPUTE, false),
-        });
+        let layout = layout(&device, STEP, &Self::layout_entries(ShaderStages::COMPUTE, false));
         let piece = "pass/shadow_map";
         let module = gpu.shader(piece, linker.link(piece)?)?;
         let groups = [&layouts.scene, &layout];
@@ -203,7 +207,12 @@ impl ShadowMaps {
     ///
     /// # Errors
     /// The maps are larger than the device binds.
-    pub(crate) fn prepare(&mut self, gpu: &Gpu, stage: &Stage, shot: &Shot) -> Result<MapRays, GpuError> {
+    pub(crate) fn prepare(
+        &mut self,
+        gpu: &Gpu,
+        stage: &GpuStage,
+        parameters: &FrameParameters,
+    ) -> Result<MapRays, GpuError> {
         let frame = stage.frame();
         let (mut lights, mut faces, mut texels) = (Vec::new(), Vec::new(), 0_u64);
         self.groups = [0; 3];
@@ -211,7 +220,7 @@ impl ShadowMaps {
             let projection = stage.pool().install(|| Projection::new(frame, light, self.settings.resolution));
             let side = projection.side() as u32;
             let face_count = projection.faces().len() as u32;
-            let [key, ..] = pcg3d([shot.index, shot.seed, index]);
+            let [key, ..] = pcg3d([parameters.index, parameters.seed, index]);
             let first_face = faces.len() as u32;
             // What is more than a word counts is more than a buffer holds: refused below.
             lights.push(LightRecord { first_face, face_count, side, first_texel: texels as u32, key });
@@ -235,8 +244,7 @@ impl ShadowMaps {
     /// Makes the buffers larger if they are too small; whether it did.
     fn make_room(&mut self, gpu: &Gpu, lights: usize, faces: usize, numbers: u64) -> Result<bool, GpuError> {
         let device = gpu.device();
-        let limits = device.limits();
-        let limit = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
+        let limit = storage_limit(&device.limits());
         let needed = numbers.saturating_mul(size_of::<f32>() as u64);
         if needed > limit {
             return Err(GpuError::Limit {
@@ -282,9 +290,5 @@ fn own_group(
     layout: &wgpu::BindGroupLayout,
     [lights, faces, map]: [&wgpu::Buffer; 3],
 ) -> wgpu::BindGroup {
-    device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: Some(STEP),
-        layout,
-        entries: &[whole(2, lights), whole(3, faces), whole(4, map)],
-    })
+    group_of(device, STEP, layout, &[whole(2, lights), whole(3, faces), whole(4, map)])
 }

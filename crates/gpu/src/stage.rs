@@ -10,15 +10,13 @@ use std::{
 
 use glam::Vec3;
 use rayon::{ThreadPool, ThreadPoolBuilder, prelude::*};
-use sheer_accel::Bvh;
 use sheer_render::{LIFT, Moment, RenderError, cpu::depth_range};
 use sheer_scene::{Animator, CameraChoice, CameraPose, Frame, Scene};
 
 use crate::{
-    GpuError,
-    accel::QueryAccel,
-    bvh::BvhBuffers,
+    accel::Accel,
     device::{Gpu, Tracer},
+    error::GpuError,
     scene::SceneBuffers,
 };
 
@@ -84,17 +82,10 @@ fn next_version() -> u64 {
     NEXT.fetch_add(1, Ordering::Relaxed)
 }
 
-/// What rays are traced through.
-#[derive(Debug)]
-enum Accel {
-    Query(QueryAccel),
-    Bvh { tree: Bvh, buffers: BvhBuffers },
-}
-
 /// A scene, seen through one of its cameras, at a time: the frame's geometry on the device and the acceleration structure over it. Several
 /// pipelines can render from one stage.
 #[derive(Debug)]
-pub struct Stage {
+pub struct GpuStage {
     gpu: Arc<Gpu>,
     animator: Animator,
     pool: ThreadPool,
@@ -108,7 +99,7 @@ pub struct Stage {
     version: u64,
 }
 
-impl Stage {
+impl GpuStage {
     /// Prepares a scene at time zero. `threads`: how many to use for animation, all the processor's by default.
     ///
     /// # Errors
@@ -148,7 +139,7 @@ impl Stage {
     /// Moves everything to a moment, uploads what has moved and rebuilds the acceleration structure over it.
     ///
     /// # Errors
-    /// What moves has grown beyond what the device holds, or the device is lost: [`Pipeline::render`](crate::Pipeline::render) takes a new one.
+    /// What moves has grown beyond what the device holds, or the device is lost: [`GpuPipeline::render`](crate::GpuPipeline::render) takes a new one.
     pub fn advance(&mut self, moment: Moment) -> Result<(), GpuError> {
         let start = Instant::now();
         let Self { animator, pool, extent, .. } = self;
@@ -166,21 +157,14 @@ impl Stage {
     }
 
     fn upload_moving(&mut self) -> Result<(), GpuError> {
-        let (device, queue) = (self.gpu.device(), self.gpu.queue());
-        let Self { animator, pool, scene, accel, .. } = self;
+        let Self { gpu, animator, pool, scene, accel, .. } = self;
         let frame = animator.frame();
         if frame.static_count() == frame.triangles().len() && frame.lights().is_empty() {
             return Ok(());
         }
         let replaced = pool.install(|| -> Result<bool, GpuError> {
-            let mut replaced = scene.update(&device, &queue, frame)?;
-            replaced |= match accel {
-                Accel::Query(query) => build(&device, &queue, query, scene.positions(), frame)?,
-                Accel::Bvh { tree, buffers } => {
-                    tree.rebuild_after(frame.static_count(), frame.triangles());
-                    buffers.update(&device, &queue, tree)?
-                }
-            };
+            let mut replaced = scene.update(&gpu.device(), &gpu.queue(), frame)?;
+            replaced |= accel.update(gpu, scene.positions(), frame)?;
             Ok(replaced)
         })?;
         if replaced {
@@ -227,11 +211,7 @@ impl Stage {
     /// Bytes of all buffers and textures of the scene.
     #[must_use]
     pub fn bytes(&self) -> u64 {
-        let accel = match &self.accel {
-            Accel::Query(query) => query.bytes(),
-            Accel::Bvh { buffers, .. } => buffers.bytes(),
-        };
-        self.scene.bytes() + accel
+        self.scene.bytes() + self.accel.bytes()
     }
 
     pub(crate) fn extent(&self) -> &Extent {
@@ -252,55 +232,21 @@ impl Stage {
         // Rays of light start in fragment shaders, too.
         let visibility = wgpu::ShaderStages::FRAGMENT | wgpu::ShaderStages::COMPUTE;
         let mut entries = SceneBuffers::layout_entries().to_vec();
-        match tracer {
-            Tracer::Query => entries.extend(QueryAccel::layout_entries(visibility)),
-            Tracer::Bvh => entries.extend(BvhBuffers::layout_entries(visibility)),
-        }
+        entries.extend(Accel::layout_entries(tracer, visibility));
         entries
     }
 
     /// Bindings 1 to 13 and 15 to 16 of group 0.
     pub(crate) fn entries(&self) -> Vec<wgpu::BindGroupEntry<'_>> {
         let mut entries = self.scene.entries().to_vec();
-        match &self.accel {
-            Accel::Query(query) => entries.extend(query.entries()),
-            Accel::Bvh { buffers, .. } => entries.extend(buffers.entries()),
-        }
+        entries.extend(self.accel.entries());
         entries
     }
 }
 
 fn upload(gpu: &Gpu, frame: &Frame) -> Result<(SceneBuffers, Accel), GpuError> {
-    let (device, queue) = (gpu.device(), gpu.queue());
-    let scene = SceneBuffers::new(&device, &queue, frame)?;
-    let accel = match gpu.tracer() {
-        Tracer::Query => {
-            let mut query = QueryAccel::new(&device)?;
-            build(&device, &queue, &mut query, scene.positions(), frame)?;
-            Accel::Query(query)
-        }
-        Tracer::Bvh => {
-            let mut tree = Bvh::build(&frame.triangles()[..frame.static_count()]);
-            tree.rebuild_after(frame.static_count(), frame.triangles());
-            let buffers = BvhBuffers::new(&device, &queue, &tree)?;
-            Accel::Bvh { tree, buffers }
-        }
-    };
+    let scene = SceneBuffers::new(&gpu.device(), &gpu.queue(), frame)?;
+    let accel = Accel::new(gpu, scene.positions(), frame)?;
     gpu.wait()?;
     Ok((scene, accel))
-}
-
-/// Builds the device's acceleration structure over what has moved; true if it has another buffer now.
-fn build(
-    device: &wgpu::Device,
-    queue: &wgpu::Queue,
-    query: &mut QueryAccel,
-    positions: &wgpu::Buffer,
-    frame: &Frame,
-) -> Result<bool, GpuError> {
-    let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-    let (triangles, static_count) = (frame.triangles(), frame.static_count());
-    let replaced = query.update(device, queue, &mut encoder, positions, triangles, static_count)?;
-    queue.submit([encoder.finish()]);
-    Ok(replaced)
 }

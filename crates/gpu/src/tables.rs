@@ -7,7 +7,7 @@ use sheer_render::{
 };
 use sheer_scene::decode_tables;
 
-use crate::shader::constants::{self, Constant};
+use crate::shader::constant::{self, Constant};
 
 /// First word of the maps of STD section 3.3, a threshold a word, map by map, row by row.
 pub(crate) const TABLE_STD_MAPS: u32 = 0;
@@ -68,9 +68,9 @@ impl Tables {
         Self { words, mask_samples, masks, round_masks, ranks }
     }
 
-    /// Where the tables begin that not all shaders need, and the samples of a mask; the places of the others are among all shaders' constants.
+    /// Where the tables begin that not all shaders need, and the samples of a mask; the offsets of the others are among all shaders' constants.
     pub(crate) fn constants(&self) -> String {
-        constants::text(&[
+        constant::text(&[
             Constant::new("MASK_SAMPLES", self.mask_samples),
             Constant::new("TABLE_MASKS", self.masks),
             Constant::new("TABLE_ROUND_MASKS", self.round_masks),

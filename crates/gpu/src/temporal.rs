@@ -5,11 +5,14 @@ use sheer_render::Antialiasing;
 use wgpu::{BufferBindingType, BufferUsages, ShaderStages};
 
 use crate::{
-    GpuError,
-    bindings::{buffer, buffer_entry, compute_pipeline, storage, whole},
     device::Gpu,
+    error::GpuError,
     pixels::COLOUR_BYTES,
-    recording::GROUP_SIDE,
+    recording::{GROUP_SIDE, compute_pipeline},
+    resource::{
+        bind_group::{buffer_entry, group_of, layout, whole},
+        buffer::{buffer, pixel_buffer},
+    },
     shader::Linker,
     timing::Timer,
 };
@@ -53,7 +56,8 @@ impl History {
         [width, height]: [u32; 2],
     ) -> Result<Self, GpuError> {
         let device = gpu.device();
-        let colour = || storage(gpu, [width, height], "history", [COLOUR_BYTES, 0], BufferUsages::COPY_SRC);
+        let colour =
+            || pixel_buffer(gpu, [width, height], "history", [COLOUR_BYTES, 0], BufferUsages::COPY_SRC);
         let colours = [colour()?, colour()?];
         let uniform_bytes = size_of::<Uniform>() as u64;
         let uniform =
@@ -61,15 +65,9 @@ impl History {
         let list = |binding, read_only| {
             buffer_entry(binding, ShaderStages::COMPUTE, BufferBindingType::Storage { read_only })
         };
-        let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-            label: Some("temporal"),
-            entries: &[
-                buffer_entry(0, ShaderStages::COMPUTE, BufferBindingType::Uniform),
-                list(1, true),
-                list(2, true),
-                list(3, false),
-            ],
-        });
+        let uniform_entry = buffer_entry(0, ShaderStages::COMPUTE, BufferBindingType::Uniform);
+        let entries = [uniform_entry, list(1, true), list(2, true), list(3, false)];
+        let layout = layout(&device, "temporal", &entries);
         let (piece, entry_point) = match antialiasing {
             // Without adding up, the mean of one frame.
             Antialiasing::None | Antialiasing::Accumulate => ("pass/accumulate", "cs_accumulate"),
@@ -96,16 +94,13 @@ impl History {
         let uniform = Uniform { size: self.size, count, alignment_px, frame, seed, padding: [0; 2] };
         queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&uniform));
         let [old, new] = if self.count.is_multiple_of(2) { [1, 0] } else { [0, 1] };
-        let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("temporal"),
-            layout: &self.layout,
-            entries: &[
-                whole(0, &self.uniform),
-                whole(1, pixels),
-                whole(2, &self.colours[old]),
-                whole(3, &self.colours[new]),
-            ],
-        });
+        let entries = [
+            whole(0, &self.uniform),
+            whole(1, pixels),
+            whole(2, &self.colours[old]),
+            whole(3, &self.colours[new]),
+        ];
+        let group = group_of(device, "temporal", &self.layout, &entries);
         let timestamp_writes = timer.compute_writes(STEP);
         let descriptor = wgpu::ComputePassDescriptor { label: Some(STEP), timestamp_writes };
         let mut pass = encoder.begin_compute_pass(&descriptor);
@@ -177,7 +172,7 @@ mod tests {
     }
 
     fn records(planes: &Planes) -> Vec<PixelRecord> {
-        let places = (0..planes.height()).flat_map(|y| (0..planes.width()).map(move |x| (x, y)));
+        let positions = (0..planes.height()).flat_map(|y| (0..planes.width()).map(move |x| (x, y)));
         let record = |(x, y)| {
             let pixel = planes.pixel(x, y);
             PixelRecord {
@@ -190,7 +185,7 @@ mod tests {
                 padding: [0; 2],
             }
         };
-        places.map(record).collect()
+        positions.map(record).collect()
     }
 
     /// Adds frames up on the device, and reads the last state back.

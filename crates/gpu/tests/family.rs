@@ -7,7 +7,7 @@
 use std::{fs, path::Path, sync::Arc};
 
 use glam::{Affine3A, Vec3, Vec4};
-use sheer_gpu::{AdapterChoice, Gpu, GpuError, PathChoice, Pipeline, Stage};
+use sheer_gpu::{AdapterChoice, Gpu, GpuError, GpuPathChoice, GpuPipeline, GpuStage};
 use sheer_image::Planes;
 use sheer_render::{Antialiasing, Background, Counters, Settings, Stage as CpuStage};
 use sheer_scene::{
@@ -55,7 +55,7 @@ fn scene(text: &str, alpha: Option<f32>) -> Scene {
 /// A scene on both sides.
 struct Sides {
     gpu: Arc<Gpu>,
-    on_gpu: Stage,
+    on_gpu: GpuStage,
     on_cpu: CpuStage,
     settings: Settings,
 }
@@ -64,7 +64,7 @@ impl Sides {
     fn of(scene: impl Into<Arc<Scene>>) -> Self {
         let gpu = Gpu::new(&AdapterChoice::Best).unwrap();
         let scene = scene.into();
-        let on_gpu = Stage::new(&gpu, Arc::clone(&scene), &CameraChoice::Default, None).unwrap();
+        let on_gpu = GpuStage::new(&gpu, Arc::clone(&scene), &CameraChoice::Default, None).unwrap();
         let on_cpu = CpuStage::new(scene, &CameraChoice::Default, None).unwrap();
         Self { gpu, on_gpu, on_cpu, settings: Settings { size: SIZE, ..Settings::default() } }
     }
@@ -76,9 +76,9 @@ impl Sides {
         sides
     }
 
-    fn pipeline(&self, method: &str) -> Result<Pipeline, GpuError> {
+    fn pipeline(&self, method: &str) -> Result<GpuPipeline, GpuError> {
         let method = method.parse().unwrap();
-        Pipeline::new(&self.gpu, PathChoice::Raster, method, Antialiasing::None, self.settings)
+        GpuPipeline::new(&self.gpu, GpuPathChoice::Raster, method, Antialiasing::None, self.settings)
     }
 
     fn draw(&mut self, method: &str) -> (Planes, Counters) {

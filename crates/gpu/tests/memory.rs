@@ -4,7 +4,7 @@
 
 use std::{path::Path as FilePath, sync::Arc};
 
-use sheer_gpu::{AdapterChoice, Gpu, PathChoice, Pipeline, Stage};
+use sheer_gpu::{AdapterChoice, Gpu, GpuPathChoice, GpuPipeline, GpuStage};
 use sheer_render::{Antialiasing, Settings};
 use sheer_scene::CameraChoice;
 
@@ -25,10 +25,10 @@ fn five_hundred_frames_of_moving_geometry_take_no_more_memory_than_a_hundred() {
         .expect("the tests need a Vulkan driver: `cargo xtask test` installs one");
     let file = FilePath::new(env!("CARGO_MANIFEST_DIR")).join(MOVING);
     let scene = Arc::new(sheer_scene::open(file.to_str().unwrap()).unwrap().scene);
-    let mut stage = Stage::new(&gpu, scene, &CameraChoice::Default, None).unwrap();
+    let mut stage = GpuStage::new(&gpu, scene, &CameraChoice::Default, None).unwrap();
     let settings = Settings { size: [64, 36], ..Settings::default() };
     let mut pipeline =
-        Pipeline::new(&gpu, PathChoice::Automatic, "std".parse().unwrap(), Antialiasing::Taa, settings)
+        GpuPipeline::new(&gpu, GpuPathChoice::Automatic, "std".parse().unwrap(), Antialiasing::Taa, settings)
             .unwrap();
     let mut after_hundred = (0, 0);
     for index in 0..500 {

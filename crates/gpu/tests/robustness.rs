@@ -3,7 +3,7 @@
 
 use std::{path::Path as FilePath, sync::Arc};
 
-use sheer_gpu::{AdapterChoice, Gpu, GpuError, PathChoice, Pipeline, Stage, Tracer};
+use sheer_gpu::{AdapterChoice, Gpu, GpuError, GpuPathChoice, GpuPipeline, GpuStage, Tracer};
 use sheer_render::{Antialiasing, Method, Settings};
 use sheer_scene::{CameraChoice, Scene};
 
@@ -25,12 +25,12 @@ fn method(text: &str) -> Method {
     text.parse().unwrap()
 }
 
-fn std_pipeline(gpu: &Arc<Gpu>, size: [u32; 2]) -> Pipeline {
-    Pipeline::new(gpu, PathChoice::Automatic, method("std"), Antialiasing::Taa, settings(size)).unwrap()
+fn std_pipeline(gpu: &Arc<Gpu>, size: [u32; 2]) -> GpuPipeline {
+    GpuPipeline::new(gpu, GpuPathChoice::Automatic, method("std"), Antialiasing::Taa, settings(size)).unwrap()
 }
 
-fn stage(gpu: &Arc<Gpu>, text: &str) -> Stage {
-    Stage::new(gpu, scene(text), &CameraChoice::Default, None).unwrap()
+fn stage(gpu: &Arc<Gpu>, text: &str) -> GpuStage {
+    GpuStage::new(gpu, scene(text), &CameraChoice::Default, None).unwrap()
 }
 
 /// Skinned triangles that are new in each frame, and their acceleration structure with them.
@@ -54,9 +54,9 @@ fn pictures_of_every_size_come_from_one_stage() {
     let gpu = gpu();
     let mut stage = stage(&gpu, "layers:count=2");
     for size in [[1, 1], [7, 5], [64, 36], [33, 200], [8, 8]] {
-        for choice in [PathChoice::Ray, PathChoice::Raster] {
+        for choice in [GpuPathChoice::Ray, GpuPathChoice::Raster] {
             let mut pipeline =
-                Pipeline::new(&gpu, choice, method("std"), Antialiasing::Taa, settings(size)).unwrap();
+                GpuPipeline::new(&gpu, choice, method("std"), Antialiasing::Taa, settings(size)).unwrap();
             stage.advance(pipeline.clock().at(0)).unwrap();
             pipeline.render(&mut stage, 0).unwrap();
             assert_eq!(pipeline.planes().unwrap().colour.size(), (size[0], size[1]));
@@ -69,7 +69,8 @@ fn a_lost_device_is_replaced_and_the_frame_is_rendered_again() {
     let gpu = gpu();
     let mut stage = stage(&gpu, MOVING);
     let mut pipeline =
-        Pipeline::new(&gpu, PathChoice::Ray, method("std"), Antialiasing::None, settings([64, 36])).unwrap();
+        GpuPipeline::new(&gpu, GpuPathChoice::Ray, method("std"), Antialiasing::None, settings([64, 36]))
+            .unwrap();
     let moment = pipeline.clock().at(3);
     stage.advance(moment).unwrap();
     pipeline.render(&mut stage, 3).unwrap();
@@ -87,7 +88,8 @@ fn two_pipelines_of_a_stage_both_go_on_after_a_loss() {
     let gpu = gpu();
     let mut stage = stage(&gpu, "layers:count=2");
     let mut pipelines = ["std", "roulette"].map(|text| {
-        Pipeline::new(&gpu, PathChoice::Ray, method(text), Antialiasing::None, settings([16, 9])).unwrap()
+        GpuPipeline::new(&gpu, GpuPathChoice::Ray, method(text), Antialiasing::None, settings([16, 9]))
+            .unwrap()
     });
     for round in 0..2 {
         for pipeline in &mut pipelines {
@@ -103,7 +105,7 @@ fn a_picture_too_large_says_so_and_leaves_the_device_usable() {
     let gpu = gpu();
     let too_large = settings([60_000, 60_000]);
     let error =
-        Pipeline::new(&gpu, PathChoice::Ray, method("std"), Antialiasing::None, too_large).unwrap_err();
+        GpuPipeline::new(&gpu, GpuPathChoice::Ray, method("std"), Antialiasing::None, too_large).unwrap_err();
     assert!(matches!(error, GpuError::Limit { .. }), "{error}");
     assert!(error.to_string().contains("60000x60000"), "{error}");
     assert_eq!(gpu.generation(), 0);
@@ -114,10 +116,10 @@ fn a_picture_too_large_says_so_and_leaves_the_device_usable() {
 fn what_a_path_does_not_run_is_told_with_what_does() {
     let gpu = gpu();
     let refused = |choice, text: &str| {
-        let pipeline = Pipeline::new(&gpu, choice, method(text), Antialiasing::None, settings([16, 9]));
+        let pipeline = GpuPipeline::new(&gpu, choice, method(text), Antialiasing::None, settings([16, 9]));
         pipeline.unwrap_err().to_string()
     };
-    let error = refused(PathChoice::Ray, "weighted");
+    let error = refused(GpuPathChoice::Ray, "weighted");
     assert!(error.contains("weighted") && error.contains("gpu:raster"), "{error}");
 }
 
@@ -132,7 +134,7 @@ fn adapters_that_are_not_there_are_told_with_those_that_are() {
 fn without_ray_query_raster_is_taken_and_said_so() {
     let gpu = Gpu::with_tracer(&AdapterChoice::Best, Some(Tracer::Bvh)).unwrap();
     let pipeline = std_pipeline(&gpu, [16, 9]);
-    assert_eq!(pipeline.path(), sheer_gpu::Path::Raster);
+    assert_eq!(pipeline.path(), sheer_gpu::GpuPath::Raster);
     assert!(pipeline.notes()[0].contains("no ray query"), "{:?}", pipeline.notes());
 }
 

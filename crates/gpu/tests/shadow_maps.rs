@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use glam::{Affine3A, Quat, Vec3};
-use sheer_gpu::{AdapterChoice, Gpu, GpuError, PathChoice, Pipeline, Stage, Tracer};
+use sheer_gpu::{AdapterChoice, Gpu, GpuError, GpuPathChoice, GpuPipeline, GpuStage, Tracer};
 use sheer_image::Planes;
 use sheer_render::{Antialiasing, Counters, Settings};
 use sheer_scene::{
@@ -101,12 +101,12 @@ fn on_cpu(scene: &Arc<Scene>, settings: Settings) -> (Planes, Counters) {
 
 fn on_gpu(
     gpu: &Arc<Gpu>,
-    path: PathChoice,
+    path: GpuPathChoice,
     scene: &Arc<Scene>,
     settings: Settings,
 ) -> Result<(Planes, Counters), GpuError> {
-    let mut stage = Stage::new(gpu, Arc::clone(scene), &CameraChoice::Default, Some(2))?;
-    let mut pipeline = Pipeline::new(gpu, path, "std".parse().unwrap(), Antialiasing::None, settings)?;
+    let mut stage = GpuStage::new(gpu, Arc::clone(scene), &CameraChoice::Default, Some(2))?;
+    let mut pipeline = GpuPipeline::new(gpu, path, "std".parse().unwrap(), Antialiasing::None, settings)?;
     stage.advance(pipeline.clock().at(0))?;
     let (counters, timings) = pipeline.render(&mut stage, 0)?;
     assert!(!gpu.report().timestamps || timings.shadow_ms > 0.0, "{timings:?}");
@@ -130,7 +130,7 @@ fn light_through_maps_is_the_cpus_on_both_paths() {
             "stochastic-map:resolution=64,taps=4,filter=0",
         ] {
             let (expected, cpu) = on_cpu(&scene, settings(shadow, 3));
-            for (path, bound) in [(PathChoice::Ray, 0.002), (PathChoice::Raster, EDGES)] {
+            for (path, bound) in [(GpuPathChoice::Ray, 0.002), (GpuPathChoice::Raster, EDGES)] {
                 let (picture, counters) = on_gpu(&gpu, path, &scene, settings(shadow, 3)).unwrap();
                 let off = share_off(&picture, &expected);
                 assert!(off <= bound, "{name}, {shadow}, {path:?}: {off}");
@@ -145,7 +145,7 @@ fn maps_are_made_without_ray_query_as_well() {
     let gpu = Gpu::with_tracer(&AdapterChoice::Best, Some(Tracer::Bvh)).unwrap();
     let (scene, shadow) = (lamps(), "stochastic-map:resolution=64,correct=on");
     let (expected, _) = on_cpu(&scene, settings(shadow, 3));
-    let (picture, _) = on_gpu(&gpu, PathChoice::Ray, &scene, settings(shadow, 3)).unwrap();
+    let (picture, _) = on_gpu(&gpu, GpuPathChoice::Ray, &scene, settings(shadow, 3)).unwrap();
     let off = share_off(&picture, &expected);
     assert!(off <= 0.002, "{off}");
 }
@@ -155,7 +155,7 @@ fn other_maps_are_other_pictures() {
     let gpu = Gpu::new(&AdapterChoice::Best).unwrap();
     let scene = lamps();
     let (picture, _) =
-        on_gpu(&gpu, PathChoice::Ray, &scene, settings("stochastic-map:resolution=64", 3)).unwrap();
+        on_gpu(&gpu, GpuPathChoice::Ray, &scene, settings("stochastic-map:resolution=64", 3)).unwrap();
     for shadow in ["stochastic-map:resolution=48", "stochastic-map:resolution=64,sampling=naive", "deep"] {
         let (expected, _) = on_cpu(&scene, settings(shadow, 3));
         let off = share_off(&picture, &expected);
@@ -167,7 +167,7 @@ fn other_maps_are_other_pictures() {
 fn maps_too_large_for_a_device_are_refused_with_advice() {
     let gpu = Gpu::new(&AdapterChoice::Best).unwrap();
     let shadow = "stochastic-map:resolution=8192,samples=64";
-    let error = on_gpu(&gpu, PathChoice::Ray, &lamps(), settings(shadow, 0)).unwrap_err();
+    let error = on_gpu(&gpu, GpuPathChoice::Ray, &lamps(), settings(shadow, 0)).unwrap_err();
     assert!(matches!(&error, GpuError::Limit { .. }), "{error}");
     assert!(error.to_string().contains("resolution="), "{error}");
 }

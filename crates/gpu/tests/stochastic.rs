@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use glam::{UVec2, Vec2};
-use sheer_gpu::{AdapterChoice, Gpu, GpuError, PathChoice, Pipeline, Stage};
+use sheer_gpu::{AdapterChoice, Gpu, GpuError, GpuPathChoice, GpuPipeline, GpuStage};
 use sheer_image::Planes;
 use sheer_render::{Antialiasing, Counters, Settings, StepTime};
 use sheer_scene::{
@@ -27,8 +27,8 @@ fn cpu_stage(name: &str) -> sheer_render::Stage {
     sheer_render::Stage::new(scene(name), &CameraChoice::Default, Some(2)).unwrap()
 }
 
-fn gpu_stage(gpu: &Arc<Gpu>, name: &str) -> Stage {
-    Stage::new(gpu, scene(name), &CameraChoice::Default, Some(2)).unwrap()
+fn gpu_stage(gpu: &Arc<Gpu>, name: &str) -> GpuStage {
+    GpuStage::new(gpu, scene(name), &CameraChoice::Default, Some(2)).unwrap()
 }
 
 fn settings(seed: u32) -> Settings {
@@ -49,9 +49,9 @@ struct Drawn {
     steps: Vec<StepTime>,
 }
 
-fn on_gpu(gpu: &Arc<Gpu>, stage: &mut Stage, method: &str, settings: Settings) -> Result<Drawn, GpuError> {
+fn on_gpu(gpu: &Arc<Gpu>, stage: &mut GpuStage, method: &str, settings: Settings) -> Result<Drawn, GpuError> {
     let method = method.parse().unwrap();
-    let mut pipeline = Pipeline::new(gpu, PathChoice::Automatic, method, Antialiasing::None, settings)?;
+    let mut pipeline = GpuPipeline::new(gpu, GpuPathChoice::Automatic, method, Antialiasing::None, settings)?;
     stage.advance(pipeline.clock().at(0))?;
     let (counters, _) = pipeline.render(stage, 0)?;
     Ok(Drawn { planes: pipeline.planes()?, counters, steps: pipeline.steps().to_vec() })
@@ -164,7 +164,8 @@ fn z_of_layers(gpu: &Arc<Gpu>, method: &str) -> f64 {
     let mut stage = gpu_stage(gpu, "layers:count=6,alpha=0.3,colours=rainbow,background=0.5");
     let small = Settings { size: [32, 24], ..settings(1) };
     let method = method.parse().unwrap();
-    let mut pipeline = Pipeline::new(gpu, PathChoice::Automatic, method, Antialiasing::None, small).unwrap();
+    let mut pipeline =
+        GpuPipeline::new(gpu, GpuPathChoice::Automatic, method, Antialiasing::None, small).unwrap();
     let mut mean_of = |frame: u32| {
         stage.advance(pipeline.clock().at(frame)).unwrap();
         pipeline.render(&mut stage, frame).unwrap();

@@ -10,7 +10,7 @@ use std::{
     sync::{Arc, LazyLock},
 };
 
-use sheer_gpu::{AdapterChoice, Gpu, PathChoice, Pipeline, Stage, Tracer};
+use sheer_gpu::{AdapterChoice, Gpu, GpuPathChoice, GpuPipeline, GpuStage, Tracer};
 use sheer_image::Planes;
 use sheer_metrics::FragmentDifference;
 use sheer_render::{Antialiasing, Method, Settings};
@@ -66,10 +66,10 @@ fn on_cpu(stage: &mut sheer_render::Stage, method: &str) -> Planes {
     pipeline.planes().clone()
 }
 
-fn on_gpu(gpu: &Arc<Gpu>, path: PathChoice, scene: &Arc<Scene>, method: &str, seed: u32) -> Planes {
-    let mut stage = Stage::new(gpu, Arc::clone(scene), &CameraChoice::Default, None).unwrap();
+fn on_gpu(gpu: &Arc<Gpu>, path: GpuPathChoice, scene: &Arc<Scene>, method: &str, seed: u32) -> Planes {
+    let mut stage = GpuStage::new(gpu, Arc::clone(scene), &CameraChoice::Default, None).unwrap();
     let method: Method = method.parse().unwrap();
-    let mut pipeline = Pipeline::new(gpu, path, method, Antialiasing::None, settings(seed)).unwrap();
+    let mut pipeline = GpuPipeline::new(gpu, path, method, Antialiasing::None, settings(seed)).unwrap();
     stage.advance(pipeline.clock().at(0)).unwrap();
     pipeline.render(&mut stage, 0).unwrap();
     pipeline.planes().unwrap()
@@ -95,7 +95,7 @@ fn pixels() -> f64 {
 }
 
 /// Holds a method against the CPU on all scenes.
-fn check(gpu: &Arc<Gpu>, path: PathChoice, method: &str) {
+fn check(gpu: &Arc<Gpu>, path: GpuPathChoice, method: &str) {
     for (name, alpha) in SCENES {
         let scene = scene(name, alpha);
         let mut stage = cpu_stage(&scene);
@@ -113,35 +113,35 @@ fn threshold_methods_show_the_cpus_fragments_by_rays() {
     for method in
         ["std", "roulette", "dtaa", "dtaa-unique", "hashed", "stbn", "std:rehash=9,identity=primitive"]
     {
-        check(&GPU, PathChoice::Ray, method);
+        check(&GPU, GpuPathChoice::Ray, method);
     }
 }
 
 #[test]
 fn threshold_methods_show_the_cpus_fragments_by_raster() {
     for method in ["std", "roulette", "dtaa", "dtaa-unique", "hashed", "stbn", "std:correction=dlss"] {
-        check(&GPU, PathChoice::Raster, method);
+        check(&GPU, GpuPathChoice::Raster, method);
     }
 }
 
 #[test]
 fn selection_shows_the_cpus_fragments_on_both_paths() {
-    for path in [PathChoice::Ray, PathChoice::Raster] {
+    for path in [GpuPathChoice::Ray, GpuPathChoice::Raster] {
         check(&GPU, path, "joint");
     }
 }
 
 #[test]
 fn the_exact_answer_is_the_cpus_on_both_paths() {
-    for path in [PathChoice::Ray, PathChoice::Raster] {
+    for path in [GpuPathChoice::Ray, GpuPathChoice::Raster] {
         check(&GPU, path, "baseline");
     }
-    check(&GPU, PathChoice::Ray, "baseline:trace=continuation");
+    check(&GPU, GpuPathChoice::Ray, "baseline:trace=continuation");
 }
 
 #[test]
 fn hybrids_are_the_cpus_on_both_paths() {
-    for path in [PathChoice::Ray, PathChoice::Raster] {
+    for path in [GpuPathChoice::Ray, GpuPathChoice::Raster] {
         check(&GPU, path, "std:hybrid=0.5,layers=3");
     }
 }
@@ -149,7 +149,7 @@ fn hybrids_are_the_cpus_on_both_paths() {
 #[test]
 fn our_own_tree_leads_to_the_same_fragments() {
     for method in ["std", "joint"] {
-        check(&OWN_TREE, PathChoice::Ray, method);
+        check(&OWN_TREE, GpuPathChoice::Ray, method);
     }
 }
 
@@ -159,7 +159,7 @@ fn rays_and_raster_pick_the_same_fragments() {
     for (name, alpha) in SCENES {
         let scene = scene(name, alpha);
         let [ray, raster] =
-            [PathChoice::Ray, PathChoice::Raster].map(|path| on_gpu(&GPU, path, &scene, "std", 0));
+            [GpuPathChoice::Ray, GpuPathChoice::Raster].map(|path| on_gpu(&GPU, path, &scene, "std", 0));
         let difference = difference(&ray, &raster);
         let mut stage = cpu_stage(&scene);
         on_cpu(&mut stage, "std");
@@ -172,7 +172,7 @@ fn motion_depth_and_transparency_are_the_cpus() {
     for (name, alpha) in SCENES {
         let scene = scene(name, alpha);
         let (expected, found) =
-            (on_cpu(&mut cpu_stage(&scene), "std"), on_gpu(&GPU, PathChoice::Ray, &scene, "std", 0));
+            (on_cpu(&mut cpu_stage(&scene), "std"), on_gpu(&GPU, GpuPathChoice::Ray, &scene, "std", 0));
         let all = (0..SIZE[1]).flat_map(|y| (0..SIZE[0]).map(move |x| [x, y]));
         let same = all.filter(|&at| fragment(&expected, at) == fragment(&found, at));
         let wrong = same.filter(|&[x, y]| {
@@ -193,8 +193,8 @@ fn another_seed_or_method_is_noticed() {
         let scene = scene(name, alpha);
         let mut stage = cpu_stage(&scene);
         let expected = on_cpu(&mut stage, "std");
-        let seed = difference(&expected, &on_gpu(&GPU, PathChoice::Ray, &scene, "std", 1));
-        let method = difference(&expected, &on_gpu(&GPU, PathChoice::Ray, &scene, "roulette", 0));
+        let seed = difference(&expected, &on_gpu(&GPU, GpuPathChoice::Ray, &scene, "std", 1));
+        let method = difference(&expected, &on_gpu(&GPU, GpuPathChoice::Ray, &scene, "roulette", 0));
         for difference in [seed, method] {
             assert!(!is_small(&stage, &difference), "the check is blind on {name}: {difference:?}");
         }

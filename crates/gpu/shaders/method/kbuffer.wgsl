@@ -1,10 +1,10 @@
 // The k-buffer: the k nearest fragments of a pixel in order, and all others merged behind them.
 //
-// Bavoil et al. 2007 insert a fragment into sorted places as it is drawn and blend the nearest into the picture where all are taken: twin of
+// Bavoil et al. 2007 insert a fragment into sorted slots as it is drawn and blend the nearest into the picture where all are taken: twin of
 // that is crates/render/src/method/kbuffer.rs. It takes ordered access to memory from fragment shaders, which there is not here, and a lock
-// may hang. So a first pass makes a chain of atomic maxima over depths (Liu et al. 2010, FreePipe, section 4.2): each place keeps the nearer
+// may hang. So a first pass makes a chain of atomic maxima over depths (Liu et al. 2010, FreePipe, section 4.2): each slot keeps the nearer
 // of two and hands the further one on. Which fragments stay does not depend on the order: those that are nearest. A second pass lets each
-// fragment find the place that its depth has won. Up to k fragments the picture is the CPU's. Of more, the k nearest are exact and the others
+// fragment find the slot that its depth has won. Up to k fragments the picture is the CPU's. Of more, the k nearest are exact and the others
 // come behind them as a mean by alpha; there, what arrives too late is blended behind what it should hide.
 #import shared/composited
 #import shared/counters
@@ -12,13 +12,13 @@
 #import shared/shade
 #import shared/tail_targets
 
-// P_K places a pixel, nearest first: complements of the bits of depths. Those of positive numbers are ordered as the numbers are, and 0, what
+// P_K slots a pixel, nearest first: complements of the bits of depths. Those of positive numbers are ordered as the numbers are, and 0, what
 // a cleared buffer holds, is further than all of them.
 @group(2) @binding(1) var<storage, read_write> kept_depths: array<atomic<u32>>;
-// Complements of the triangles in these places.
+// Complements of the triangles in these slots.
 @group(2) @binding(2) var<storage, read_write> kept_triangles: array<atomic<u32>>;
 
-fn first_place(pixel: vec2u) -> u32 {
+fn first_slot(pixel: vec2u) -> u32 {
     return P_K * (pixel.y * frame.size.x + pixel.x);
 }
 
@@ -28,26 +28,26 @@ fn fs_keep(vertex: TriangleVertex) -> Tail {
     pixel_at = vec2u(vertex.position.xy);
     let fragment = drawn(vertex, camera_ray(sample_of(pixel_at)));
     if fragment.alpha > 0.0 {
-        let first = first_place(pixel_at);
+        let first = first_slot(pixel_at);
         var key = ~bitcast<u32>(fragment.depth);
-        // Equal ones take a place each.
-        for (var place = 0u; place < P_K && key != 0u; place += 1u) {
-            key = min(key, atomicMax(&kept_depths[first + place], key));
+        // Equal ones take a slot each.
+        for (var slot = 0u; slot < P_K && key != 0u; slot += 1u) {
+            key = min(key, atomicMax(&kept_depths[first + slot], key));
         }
     }
     discard;
     return Tail(vec4f(0.0), 1.0);
 }
 
-// Puts a triangle into the place of its depth. Fragments of one depth have neighbouring places, which are a chain of their own, by triangle.
-// Gives the complement of the triangle that has no place, which may be another one than this; 0 if all have one.
+// Puts a triangle into the slot of its depth. Fragments of one depth have neighbouring slots, which are a chain of their own, by triangle.
+// Gives the complement of the triangle that has no slot, which may be another one than this; 0 if all have one.
 fn claim(pixel: vec2u, fragment: Fragment) -> u32 {
-    let first = first_place(pixel);
+    let first = first_slot(pixel);
     let key = ~bitcast<u32>(fragment.depth);
     var triangle = ~fragment.hit.triangle;
-    for (var place = 0u; place < P_K && triangle != 0u; place += 1u) {
-        if atomicLoad(&kept_depths[first + place]) == key {
-            triangle = min(triangle, atomicMax(&kept_triangles[first + place], triangle));
+    for (var slot = 0u; slot < P_K && triangle != 0u; slot += 1u) {
+        if atomicLoad(&kept_depths[first + slot]) == key {
+            triangle = min(triangle, atomicMax(&kept_triangles[first + slot], triangle));
         }
     }
     return triangle;
@@ -61,11 +61,11 @@ fn fs_claim(vertex: TriangleVertex) -> Tail {
     if fragment.alpha <= 0.0 {
         discard;
     }
-    let without_place = claim(pixel_at, fragment);
-    if without_place == 0u {
+    let without_slot = claim(pixel_at, fragment);
+    if without_slot == 0u {
         discard;
     }
-    let hit = fragment_hit(pixel_at, ~without_place);
+    let hit = fragment_hit(pixel_at, ~without_slot);
     counted.hits += 1u;
     counted.shaded += 1u;
     counted.merged += 1u;
@@ -76,9 +76,9 @@ fn fs_claim(vertex: TriangleVertex) -> Tail {
 
 fn composited(pixel: vec2u, ray: CameraRay) -> Composited {
     var result = Composited(vec3f(0.0), 1.0, false, false, Hit());
-    let first = first_place(pixel);
-    for (var place = 0u; place < P_K; place += 1u) {
-        let triangle = atomicLoad(&kept_triangles[first + place]);
+    let first = first_slot(pixel);
+    for (var slot = 0u; slot < P_K; slot += 1u) {
+        let triangle = atomicLoad(&kept_triangles[first + slot]);
         if triangle == 0u {
             continue;
         }
@@ -93,7 +93,7 @@ fn composited(pixel: vec2u, ray: CameraRay) -> Composited {
     let rest = tail(pixel);
     result.rgb_premul += result.transmittance * rest.xyz;
     result.transmittance *= 1.0 - rest.w;
-    // Of those without a place, which is the furthest is not known.
+    // Of those without a slot, which is the furthest is not known.
     result.has_furthest = result.transparent && rest.w <= 0.0;
     return result;
 }

@@ -46,7 +46,7 @@ fn alpha_of_absorbance(absorbance: f32) -> f32 {
     return absorbance * (1.0 - absorbance * (0.5 - absorbance * (1.0 / 6.0 - absorbance * tail)));
 }
 
-// The logarithm of depth from -1 at the nearest to 1 at the furthest: layers are told apart by the ratio of their depths.
+// The logarithm of depth from -1 at the nearest to 1 at the furthest: layers are fragment_stats apart by the ratio of their depths.
 fn warped(depth: f32) -> f32 {
     let near = log(frame.depth_near);
     let share = (log(depth) - near) / max(log(frame.depth_far) - near, EPSILON);
@@ -108,7 +108,7 @@ fn composited(pixel: vec2u, ray: CameraRay) -> Composited {
     if absorbance <= 0.0 {
         return Composited(vec3f(0.0), 1.0, false, false, Hit());
     }
-    // There is one place for all: one fragment a pixel was not merged. Counters wrap around.
+    // There is one sum for all: one fragment a pixel was not merged. Counters wrap around.
     counted.merged -= 1u;
     let sums = textureLoad(blended_sums, pixel, 0);
     // Scaled so that what is seen of all fragments and of the background adds up to one.

@@ -7,27 +7,27 @@
 #import shared/shade
 
 // The layer of the pass before, or of this one: bits of its depth, and its triangle; NONE if there was none.
-@group(2) @binding(1) var layer_places: texture_2d<u32>;
+@group(2) @binding(1) var layer_keys: texture_2d<u32>;
 // Light of all layers so far and their alpha, four floats a pixel.
 @group(2) @binding(2) var<storage, read_write> peeled: array<vec4f>;
 
 struct Peeled {
-    @location(0) place: vec2u,
+    @location(0) key: vec2u,
     @builtin(frag_depth) depth: f32,
 }
 
 fn peel(vertex: TriangleVertex) -> Peeled {
     let fragment = drawn(vertex, camera_ray(sample_of(pixel_at)));
-    let place = vec2u(bitcast<u32>(fragment.depth), fragment.hit.triangle);
+    let key = vec2u(bitcast<u32>(fragment.depth), fragment.hit.triangle);
     // Of equal depths the depth test keeps what is drawn first: the triangle with the lower number.
-    return Peeled(select(vec2u(NONE), place, fragment.alpha > 0.0), clamp(fragment.depth / frame.reach, 0.0, 1.0));
+    return Peeled(select(vec2u(NONE), key, fragment.alpha > 0.0), clamp(fragment.depth / frame.reach, 0.0, 1.0));
 }
 
 @fragment
 fn fs_first(vertex: TriangleVertex) -> Peeled {
     pixel_at = vec2u(vertex.position.xy);
     let next = peel(vertex);
-    if next.place.y == NONE {
+    if next.key.y == NONE {
         discard;
     }
     counted.hits += 1u;
@@ -39,10 +39,10 @@ fn fs_first(vertex: TriangleVertex) -> Peeled {
 fn fs_next(vertex: TriangleVertex) -> Peeled {
     pixel_at = vec2u(vertex.position.xy);
     let next = peel(vertex);
-    let last = textureLoad(layer_places, pixel_at, 0).xy;
+    let last = textureLoad(layer_keys, pixel_at, 0).xy;
     // Nothing lies behind a layer that was not there.
-    if next.place.y == NONE || last.y == NONE
-        || !is_in_front(bitcast<f32>(last.x), last.y, bitcast<f32>(next.place.x), next.place.y) {
+    if next.key.y == NONE || last.y == NONE
+        || !is_in_front(bitcast<f32>(last.x), last.y, bitcast<f32>(next.key.x), next.key.y) {
         discard;
     }
     return next;
@@ -55,7 +55,7 @@ fn cs_blend(@builtin(global_invocation_id) id: vec3u) {
         return;
     }
     pixel_at = id.xy;
-    let triangle = textureLoad(layer_places, pixel_at, 0).y;
+    let triangle = textureLoad(layer_keys, pixel_at, 0).y;
     if triangle == NONE {
         return;
     }

@@ -12,7 +12,7 @@ fn rank_value(pixel: vec2u, frame: u32) -> f32 {
 }
 
 fn threshold(site: Site) -> f32 {
-    let place = draw_below(site, RANK_COUNT);
-    let offset = vec2u(place, place / RANK_SIDE) % RANK_SIDE;
-    return rank_value(site.pixel % RANK_SIDE + offset, site.frame + place / (RANK_SIDE * RANK_SIDE));
+    let start = draw_below(site, RANK_COUNT);
+    let offset = vec2u(start, start / RANK_SIDE) % RANK_SIDE;
+    return rank_value(site.pixel % RANK_SIDE + offset, site.frame + start / (RANK_SIDE * RANK_SIDE));
 }

@@ -73,7 +73,7 @@ fn composited(pixel: vec2u, ray: CameraRay) -> Composited {
     if sums.w <= 0.0 {
         return Composited(vec3f(0.0), 1.0, false, false, Hit());
     }
-    // There is one place for all: one fragment a pixel was not merged. Counters wrap around.
+    // There is one sum for all: one fragment a pixel was not merged. Counters wrap around.
     counted.merged -= 1u;
     let transmittance = textureLoad(weighted_transmittance, pixel, 0).x;
     // Bright fragments close to the eye overflow; the authors' program makes them white, too.

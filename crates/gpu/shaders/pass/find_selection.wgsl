@@ -22,7 +22,7 @@ fn find(pixel: vec2u, ray: CameraRay, has_after: bool, after: Hit) -> Found {
     if gather_ended {
         return Found(true, whole_hit(ray, layers[layer_count - 1u]), transparent, false, vec3f(0.0));
     }
-    // What had no place comes last, as one fragment.
+    // What had no memory comes last, as one fragment.
     let rest = tail(pixel);
     let visibility = visibility_before(layer_count) * (1.0 - rest.w);
     let is_tail = rest.w > 0.0 && 1.0 - visibility > gather_threshold;

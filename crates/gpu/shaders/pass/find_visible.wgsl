@@ -8,13 +8,13 @@
 @group(2) @binding(1) var<storage, read> tested: array<u32>;
 
 fn find(pixel: vec2u, ray: CameraRay, has_after: bool, after: Hit) -> Found {
-    let place = 2u * (pixel.y * frame.size.x + pixel.x);
-    counted.hits += tested[place + 1u];
+    let index = 2u * (pixel.y * frame.size.x + pixel.x);
+    counted.hits += tested[index + 1u];
     let surface = textureLoad(visible_surfaces, pixel, 0);
     if surface.x == NONE {
-        return Found(false, after, tested[place] != 0u, false, vec3f(0.0));
+        return Found(false, after, tested[index] != 0u, false, vec3f(0.0));
     }
     let hit = fragment_hit(pixel, surface.x);
     let shown = Hit(hit.t, bitcast<f32>(surface.y), bitcast<f32>(surface.z), surface.x, surface.w != 0u);
-    return Found(true, shown, ~tested[place] <= bitcast<u32>(hit.t), false, vec3f(0.0));
+    return Found(true, shown, ~tested[index] <= bitcast<u32>(hit.t), false, vec3f(0.0));
 }

@@ -1,4 +1,4 @@
-// What a method makes of the transparent fragments of a pixel, for pass/behind.wgsl: two passes, since software drivers compile each place that
+// What a method makes of the transparent fragments of a pixel, for pass/composite.wgsl: two passes, since software drivers compile each place that
 // shades anew, for seconds, and this one differs from method to method.
 #import method
 #import shared/composited

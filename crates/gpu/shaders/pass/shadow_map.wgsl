@@ -44,8 +44,8 @@ fn visit_blocker(hit: Hit) -> u32 {
     return GO_ON;
 }
 
-fn keep_nearer(place: u32, depth: f32) {
-    shadow_map[place] = min(shadow_map[place], depth);
+fn keep_nearer(index: u32, depth: f32) {
+    shadow_map[index] = min(shadow_map[index], depth);
 }
 
 // Enters a blocker in the samples that it covers, each with probability `alpha`: `Sampling::mask`.

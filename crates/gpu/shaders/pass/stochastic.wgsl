@@ -35,7 +35,7 @@ fn fs_total_alpha(vertex: TriangleVertex) -> @location(0) f32 {
     if fragment.alpha <= 0.0 {
         discard;
     }
-    tell_hit(pixel, fragment.hit);
+    record_hit(pixel, fragment.hit);
     return 1.0 - fragment.alpha;
 }
 
@@ -53,7 +53,7 @@ fn fs_depth(vertex: TriangleVertex) -> StochasticDepth {
         discard;
     }
     if !HAS_TOTAL_ALPHA && round.index == 0u {
-        tell_hit(pixel, fragment.hit);
+        record_hit(pixel, fragment.hit);
     }
     let mask = mask_in_round(pixel, fragment);
     if mask == 0u {
@@ -77,7 +77,7 @@ fn fs_colour(vertex: TriangleVertex) -> Winner {
     if fragment.alpha <= 0.0 {
         discard;
     }
-    tell_triangle(pixel, fragment.hit);
+    record_triangle(pixel, fragment.hit);
     let mask = mask_in_round(pixel, fragment);
     if mask == 0u {
         discard;

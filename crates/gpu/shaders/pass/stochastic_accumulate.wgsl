@@ -18,7 +18,7 @@ fn fs_accumulate(vertex: TriangleVertex, @builtin(sample_mask) covered: u32) -> 
     if fragment.alpha <= 0.0 {
         discard;
     }
-    tell_triangle(pixel, fragment.hit);
+    record_triangle(pixel, fragment.hit);
     let depth = depth_in_buffer(fragment.hit) * (1.0 - DEPTH_SLACK);
     var unhidden = 0u;
     for (var sample = 0u; sample < MASK_SAMPLES; sample += 1u) {

@@ -1,10 +1,10 @@
-// From samples to pixels: the estimates of ST section 4. Twin of `Stochastic::resolve`; pass/behind.wgsl adds what lies behind.
+// From samples to pixels: the estimates of ST section 4. Twin of `Stochastic::resolve`; pass/composite.wgsl adds what lies behind.
 #import shared/counters
 #import shared/frame
 #import shared/pass
-#import shared/told
+#import shared/fragment_stats
 
-@group(2) @binding(2) var<storage, read> told: array<u32>;
+@group(2) @binding(2) var<storage, read> fragment_stats: array<u32>;
 // Of the last round.
 @group(2) @binding(3) var depth_map: texture_depth_multisampled_2d;
 @group(2) @binding(4) var round_targets: texture_multisampled_2d<f32>;
@@ -45,8 +45,8 @@ fn cs_end_round(@builtin(global_invocation_id) id: vec3u) {
     if any(id.xy >= frame.size) {
         return;
     }
-    let place = id.y * frame.size.x + id.x;
-    ended_rounds[place] = added(ended_rounds[place], round_sums(id.xy));
+    let index = id.y * frame.size.x + id.x;
+    ended_rounds[index] = added(ended_rounds[index], round_sums(id.xy));
 }
 
 // What is left of the background: the mean over the samples.
@@ -69,29 +69,29 @@ fn estimate(sums: Sums, total_alpha: f32) -> vec3f {
     return select(vec3f(0.0), total_alpha / sums.ones * sums.rgb, sums.ones > 0.0);
 }
 
-// Leaves a pixel to pass/behind.wgsl: the light of the layer, and in place of the primitive the furthest fragment's triangle.
-fn composite(pixel: vec2u) {
+// Leaves a pixel to pass/composite.wgsl: the light of the layer, and in place of the primitive the furthest fragment's triangle.
+fn resolve(pixel: vec2u) {
     let at = pixel.y * frame.size.x + pixel.x;
     var sums = round_sums(pixel);
     if ROUND_COUNT > 1u {
         sums = added(ended_rounds[at], sums);
     }
     let through = transmittance(pixel, sums);
-    let place = told_place(pixel);
-    counted.hits += told[place + TOLD_HITS];
-    counted.shaded += told[place + TOLD_SHADED];
-    counted_shadow_rays += told[place + TOLD_SHADOW_RAYS];
-    let is_transparent = told[place + TOLD_HITS] != 0u;
+    let stats = stats_index(pixel);
+    counted.hits += fragment_stats[stats + STATS_HITS];
+    counted.shaded += fragment_stats[stats + STATS_SHADED];
+    counted_shadow_rays += fragment_stats[stats + STATS_SHADOW_RAYS];
+    let is_transparent = fragment_stats[stats + STATS_HITS] != 0u;
     pixels[at].colour = vec4f(estimate(sums, 1.0 - through), 1.0 - through);
     pixels[at].transparent = select(0u, 1u, is_transparent);
-    pixels[at].primitive = select(NONE, told[place + TOLD_TRIANGLE], is_transparent);
+    pixels[at].primitive = select(NONE, fragment_stats[stats + STATS_TRIANGLE], is_transparent);
 }
 
 @compute @workgroup_size(8, 8)
-fn cs_composite(@builtin(global_invocation_id) id: vec3u) {
+fn cs_resolve(@builtin(global_invocation_id) id: vec3u) {
     if any(id.xy >= frame.size) {
         return;
     }
-    composite(id.xy);
+    resolve(id.xy);
     hand_in_counts();
 }

@@ -87,7 +87,7 @@ struct Fetched {
     is_inside: bool,
 }
 
-// History at a place in pixels (origin at the first pixel's centre).
+// History at a point in pixels (origin at the first pixel's centre).
 fn fetch(at: vec2f) -> Fetched {
     let end = vec2f(temporal.size) - 0.5;
     if !(all(at > vec2f(-0.5)) && all(at < end)) {

@@ -16,12 +16,12 @@ fn fs_visibility(vertex: TriangleVertex) -> Visible {
     if hit.t < 0.0 {
         discard;
     }
-    let place = 2u * (pixel.y * frame.size.x + pixel.x);
-    atomicAdd(&tested[place + 1u], 1u);
+    let index = 2u * (pixel.y * frame.size.x + pixel.x);
+    atomicAdd(&tested[index + 1u], 1u);
     let alpha = coverage(alpha_of(hit));
     if alpha > 0.0 && alpha < 1.0 {
         // Bits of positive numbers are ordered as the numbers are.
-        atomicMax(&tested[place], ~bitcast<u32>(hit.t));
+        atomicMax(&tested[index], ~bitcast<u32>(hit.t));
     }
     if alpha < MIN_ALPHA {
         discard;

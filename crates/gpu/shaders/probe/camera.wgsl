@@ -1,4 +1,4 @@
-// 2 words in, the bits of a place in pixels; 6 out, the bits of the origin and the direction of its ray.
+// 2 words in, the bits of a point in pixels; 6 out, the bits of the origin and the direction of its ray.
 #import probe/io
 #import shared/camera
 

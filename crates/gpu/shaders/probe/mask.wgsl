@@ -1,4 +1,4 @@
-// 4 words in, 6 out: opacity and size of a subset, masks, a place along the curve and a threshold.
+// 4 words in, 6 out: opacity and size of a subset, masks, a position along the curve and a threshold.
 #import probe/io
 #import shared/mask
 

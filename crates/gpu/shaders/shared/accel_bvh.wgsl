@@ -4,7 +4,7 @@
 struct BvhNode {
     // Lower x, y, z, then upper x, y, z: four children, then the other four.
     bounds: array<array<vec4f, 2>, 6>,
-    // Places of nodes or, with BVH_BLOCK, of blocks; BVH_NONE in unused lanes.
+    // Indices of nodes or, with BVH_BLOCK, of blocks; BVH_NONE in unused lanes.
     children: array<vec4u, 2>,
 }
 

@@ -9,9 +9,9 @@ fn alpha_of(hit: Hit) -> f32 {
 
 // Whether a hit lies behind another in the order of all hits: by depth, then triangle.
 fn is_behind(hit: Hit, other: Hit) -> bool {
-    return is_place_behind(hit.t, hit.triangle, other.t, other.triangle);
+    return is_behind_at(hit.t, hit.triangle, other.t, other.triangle);
 }
 
-fn is_place_behind(t: f32, triangle: u32, other_t: f32, other_triangle: u32) -> bool {
+fn is_behind_at(t: f32, triangle: u32, other_t: f32, other_triangle: u32) -> bool {
     return t > other_t || (t == other_t && triangle > other_triangle);
 }

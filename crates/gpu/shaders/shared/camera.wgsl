@@ -9,7 +9,7 @@ struct Projected {
     is_seen: bool,
 }
 
-// The ray through a place in pixel units, origin in the upper left corner, centres at halves.
+// The ray through a point in pixel units, origin in the upper left corner, centres at halves.
 fn camera_ray(sample: vec2f) -> CameraRay {
     let camera = frame.camera;
     let size = vec2f(frame.size);

@@ -24,12 +24,12 @@ fn insert_into_chunk(fragment: Fragment) {
         }
         chunk_count -= 1u;
     }
-    var place = chunk_count;
-    while place > 0u && comes_before(fragment, chunk[place - 1u]) {
-        chunk[place] = chunk[place - 1u];
-        place -= 1u;
+    var index = chunk_count;
+    while index > 0u && comes_before(fragment, chunk[index - 1u]) {
+        chunk[index] = chunk[index - 1u];
+        index -= 1u;
     }
-    chunk[place] = fragment;
+    chunk[index] = fragment;
     chunk_count += 1u;
 }
 

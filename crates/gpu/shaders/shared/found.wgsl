@@ -6,7 +6,7 @@ struct Found {
     hit: Hit,
     // Whether the ray met something that is neither opaque nor nothing on its way.
     transparent: bool,
-    // It found one of the fragments that a full list had no place for: of those only the mean colour is known.
+    // It found one of the fragments that a full list had no node for: of those only the mean colour is known.
     is_tail: bool,
     tail_rgb: vec3f,
 }

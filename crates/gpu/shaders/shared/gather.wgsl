@@ -1,6 +1,6 @@
 // The nearest fragments of a ray, front to back, in bounded memory: twin of `Tracer::gather_front`.
 //
-// One traversal fills PLACES places. Where the rest is needed, too, the next one starts behind the last fragment: nothing is dropped, whatever
+// One traversal gathers LAYER_CAPACITY layers. Where the rest is needed, too, the next one starts behind the last fragment: nothing is dropped, whatever
 // the number of layers, and those rays are counted.
 #import shared/alpha
 #import shared/counters
@@ -16,7 +16,7 @@ struct Layer {
     visibility: f32,
 }
 
-var<private> layers: array<Layer, PLACES>;
+var<private> layers: array<Layer, LAYER_CAPACITY>;
 var<private> layer_count: u32;
 // Whether the fragments gathered are enough.
 var<private> gather_ended: bool;
@@ -46,11 +46,11 @@ fn is_enough(count: u32, visibility: f32) -> bool {
     return 1.0 - visibility > gather_threshold || visibility <= gather_share || count >= gather_most;
 }
 
-fn visibility_before(place: u32) -> f32 {
-    if place == 0u {
+fn visibility_before(index: u32) -> f32 {
+    if index == 0u {
         return gather_visibility_before;
     }
-    return layers[place - 1u].visibility;
+    return layers[index - 1u].visibility;
 }
 
 fn visit_gather(hit: Hit) -> u32 {
@@ -65,29 +65,29 @@ fn visit_gather(hit: Hit) -> u32 {
     if alpha <= 0.0 {
         return GO_ON;
     }
-    var place = layer_count;
-    while place > 0u && is_place_behind(layers[place - 1u].t, layers[place - 1u].triangle, hit.t, hit.triangle) {
-        place -= 1u;
+    var index = layer_count;
+    while index > 0u && is_behind_at(layers[index - 1u].t, layers[index - 1u].triangle, hit.t, hit.triangle) {
+        index -= 1u;
     }
-    if gather_ended && place == layer_count {
+    if gather_ended && index == layer_count {
         return END_HERE;
     }
-    if place == PLACES {
+    if index == LAYER_CAPACITY {
         return END_HERE;
     }
-    if layer_count == PLACES {
-        // The furthest gives up its place, even if it was the end; the next traversal finds it again.
+    if layer_count == LAYER_CAPACITY {
+        // The furthest makes room, even if it was the end; the next traversal finds it again.
         layer_count -= 1u;
         gather_ended = false;
     }
-    for (var at = layer_count; at > place; at -= 1u) {
+    for (var at = layer_count; at > index; at -= 1u) {
         layers[at] = layers[at - 1u];
     }
-    layers[place] = Layer(hit.t, hit.triangle, alpha, 1.0);
+    layers[index] = Layer(hit.t, hit.triangle, alpha, 1.0);
     layer_count += 1u;
     // A fragment found late, in front of others, only lowers the visibility behind them: the end never moves away.
-    var visibility = visibility_before(place);
-    for (var at = place; at < layer_count; at += 1u) {
+    var visibility = visibility_before(index);
+    for (var at = index; at < layer_count; at += 1u) {
         visibility *= 1.0 - layers[at].alpha;
         layers[at].visibility = visibility;
         if is_enough(gather_count_before + at + 1u, visibility) {
@@ -95,8 +95,8 @@ fn visit_gather(hit: Hit) -> u32 {
             layer_count = at + 1u;
         }
     }
-    let is_full = gather_ended || layer_count == PLACES;
-    return select(GO_ON, END_HERE, is_full && place + 1u == layer_count);
+    let is_full = gather_ended || layer_count == LAYER_CAPACITY;
+    return select(GO_ON, END_HERE, is_full && index + 1u == layer_count);
 }
 #expand camera VISITOR=gather
 
@@ -112,7 +112,7 @@ fn begin_gathering(has_after: bool, after: Hit) {
     gather_corrects = false;
 }
 
-// Fills the places with the next fragments.
+// Gathers the next fragments.
 fn gather_front(ray: CameraRay) {
     layer_count = 0u;
     gather_ended = false;
@@ -123,7 +123,7 @@ fn gather_front(ray: CameraRay) {
 
 // Whether there may be more fragments that matter than those gathered; makes ready to gather them.
 fn gather_goes_on() -> bool {
-    if gather_ended || layer_count < PLACES {
+    if gather_ended || layer_count < LAYER_CAPACITY {
         return false;
     }
     gather_has_after = true;

@@ -120,7 +120,7 @@ fn quadratic_roots() -> Roots {
     return roots;
 }
 
-// Newton's method, with a bisection whenever it would leave the interval or does not halve its step. Gives the root between two places where the
+// Newton's method, with a bisection whenever it would leave the interval or does not halve its step. Gives the root between two points where the
 // polynomial has different signs.
 fn root_between(from_low: f32, from_high: f32) -> f32 {
     // A few units in the last place.
@@ -155,7 +155,7 @@ fn is_negative(x: f32) -> bool {
     return value_and_slope(x).x < 0.0;
 }
 
-// The place, going up or down from one, where the polynomial has the other sign; the first place if there is none. Most roots are within a
+// The point, going up or down from one, where the polynomial has the other sign; the first one if there is none. Most roots are within a
 // unit, so it begins small.
 fn change_beyond(start: f32, direction: f32) -> f32 {
     let begins_negative = is_negative(start);

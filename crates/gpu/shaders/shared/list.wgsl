@@ -2,7 +2,7 @@
 
 struct ListNode {
     triangle: u32,
-    // Place of the next node, counted from 1; LIST_END after the last.
+    // Index of the next node, counted from 1; LIST_END after the last.
     next: u32,
 }
 

@@ -46,14 +46,14 @@ fn spread(coordinate: u32) -> u32 {
     return (bits | (bits << 1u)) & 0x55555555u;
 }
 
-// The place of a pixel along a Z-curve through CURVE_SIDE² pixels, in 20 bits (Morton 1966).
+// The position of a pixel along a Z-curve through CURVE_SIDE² pixels, in 20 bits (Morton 1966).
 fn along_curve(pixel: vec2u) -> u32 {
     return spread(pixel.x) | (spread(pixel.y) << 1u);
 }
 
-// The threshold, as a fraction of 2^32, of the sample with a place along a curve (Laine and Karras 2011, section 3.1).
-fn stratified_threshold(place: u32, surface: u32) -> u32 {
-    var x = reverseBits(place) + surface;
+// The threshold, as a fraction of 2^32, of the sample with a position along a curve (Laine and Karras 2011, section 3.1).
+fn stratified_threshold(position: u32, surface: u32) -> u32 {
+    var x = reverseBits(position) + surface;
     x ^= x * SCRAMBLE_0;
     x ^= x * SCRAMBLE_1;
     x ^= x * SCRAMBLE_2;

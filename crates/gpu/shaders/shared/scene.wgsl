@@ -4,7 +4,7 @@
 #import shared/texture
 
 // Where a mesh's lists lie: offsets in floats into `attributes`, or NONE.
-struct MeshPlace {
+struct MeshOffsets {
     first_index: u32,
     vertex_count: u32,
     positions: u32,
@@ -22,7 +22,7 @@ struct Object {
     first_triangle: u32,
     look: u32,
     first_deformed_normal: u32,
-    mesh: MeshPlace,
+    mesh: MeshOffsets,
     // Rigid: columns of `normal_from_object`, then of `vector_from_object`. Quad: right, up, tile origin, tile size, tint.
     axes: array<f32, 18>,
 }

@@ -55,12 +55,12 @@ fn covered_by_box(texel: f32, low: f32, high: f32) -> f32 {
 }
 
 // Mean of the texels around a receiver: percentage closer filtering.
-fn filtered(light: u32, receiver: Receiver, place: MapPlace) -> vec3f {
+fn filtered(light: u32, receiver: Receiver, coordinate: MapCoordinate) -> vec3f {
     if SHADOW_FILTER == 0u {
-        return map_visibility(light, tap(light, receiver, place, place.at), ALL_SAMPLES);
+        return map_visibility(light, tap(light, receiver, coordinate, coordinate.at), ALL_SAMPLES);
     }
-    let low = place.at - 0.5 * f32(SHADOW_FILTER);
-    let high = place.at + 0.5 * f32(SHADOW_FILTER);
+    let low = coordinate.at - 0.5 * f32(SHADOW_FILTER);
+    let high = coordinate.at + 0.5 * f32(SHADOW_FILTER);
     let first = floor(low);
     var sum = vec3f(0.0);
     var weights = 0.0;
@@ -69,7 +69,7 @@ fn filtered(light: u32, receiver: Receiver, place: MapPlace) -> vec3f {
             let corner = first + vec2f(f32(column), f32(row));
             let weight = covered_by_box(corner.x, low.x, high.x) * covered_by_box(corner.y, low.y, high.y);
             if weight > 0.0 {
-                sum += weight * map_visibility(light, tap(light, receiver, place, corner + 0.5), ALL_SAMPLES);
+                sum += weight * map_visibility(light, tap(light, receiver, coordinate, corner + 0.5), ALL_SAMPLES);
                 weights += weight;
             }
         }
@@ -77,27 +77,27 @@ fn filtered(light: u32, receiver: Receiver, place: MapPlace) -> vec3f {
     return sum / weights;
 }
 
-// Mean of one sample each at random places in the box, evenly spread: the sequence R2 (Roberts 2018) from a random start.
-fn random_taps(light: u32, receiver: Receiver, place: MapPlace) -> vec3f {
+// Mean of one sample each at random points of the box, evenly spread: the sequence R2 (Roberts 2018) from a random start.
+fn random_taps(light: u32, receiver: Receiver, coordinate: MapCoordinate) -> vec3f {
     let random = pcg4d(vec4u(receiver.key, shadow_lights[light].key));
     let start = vec2f(unit_from_bits(random.x), unit_from_bits(random.y));
     let first = random.z % SHADOW_SAMPLES;
     var sum = vec3f(0.0);
     for (var index = 0u; index < SHADOW_TAPS; index += 1u) {
         let unit = fract(start + vec2f(TAP_STEP_X, TAP_STEP_Y) * f32(index));
-        let at = place.at + (unit - 0.5) * f32(max(SHADOW_FILTER, 1u));
-        sum += map_visibility(light, tap(light, receiver, place, at), (first + index) % SHADOW_SAMPLES);
+        let at = coordinate.at + (unit - 0.5) * f32(max(SHADOW_FILTER, 1u));
+        sum += map_visibility(light, tap(light, receiver, coordinate, at), (first + index) % SHADOW_SAMPLES);
     }
     return sum / f32(SHADOW_TAPS);
 }
 
 fn shadow_transmittance(light: u32, receiver: Receiver) -> vec3f {
-    let place = place_in_map(light, receiver.position);
-    if !place.inside {
+    let coordinate = map_coordinate(light, receiver.position);
+    if !coordinate.inside {
         return vec3f(1.0);
     }
     if SHADOW_TAPS == 0u {
-        return filtered(light, receiver, place);
+        return filtered(light, receiver, coordinate);
     }
-    return random_taps(light, receiver, place);
+    return random_taps(light, receiver, coordinate);
 }

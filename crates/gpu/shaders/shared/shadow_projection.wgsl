@@ -39,7 +39,7 @@ struct LightRay {
 }
 
 // Where a point lies in a map.
-struct MapPlace {
+struct MapCoordinate {
     // False outside the map, where nothing is lit or nothing is.
     inside: bool,
     // Among the light's.
@@ -58,7 +58,7 @@ struct Tap {
     depth: f32,
 }
 
-// The ray from the light through a place of a face.
+// The ray from the light through a point of a face.
 fn light_ray(light: u32, face_of_light: u32, at: vec2f) -> LightRay {
     let face = shadow_faces[shadow_lights[light].first_face + face_of_light];
     if face.is_central == 0u {
@@ -89,45 +89,45 @@ fn in_face(face: ShadowFace, vector: vec3f) -> vec3f {
     return vec3f(dot(face.right, vector), dot(face.up, vector), dot(face.forward, vector));
 }
 
-fn place_in_map(light: u32, point: vec3f) -> MapPlace {
+fn map_coordinate(light: u32, point: vec3f) -> MapCoordinate {
     let face_of_light = face_towards(light, point);
     let face = shadow_faces[shadow_lights[light].first_face + face_of_light];
     let side = f32(shadow_lights[light].side);
-    var place = MapPlace(false, face_of_light, vec2f(0.0), 0.0, vec2f(face.width, face.height));
+    var coordinate = MapCoordinate(false, face_of_light, vec2f(0.0), 0.0, vec2f(face.width, face.height));
     if face.is_central == 0u {
         let local = in_face(face, point) - face.origin;
-        place.at = local.xy / place.texel;
-        place.depth = local.z;
+        coordinate.at = local.xy / coordinate.texel;
+        coordinate.depth = local.z;
     } else {
         let local = in_face(face, point - face.origin);
-        // Behind the eye and beside it there is no place.
+        // Behind the eye and beside it there is none.
         if local.z <= 0.0 {
-            return place;
+            return coordinate;
         }
-        place.at = 0.5 * side * (local.xy / (local.z * face.width) + 1.0);
-        place.depth = length(local);
-        place.texel = vec2f(2.0 * face.width * local.z / side);
+        coordinate.at = 0.5 * side * (local.xy / (local.z * face.width) + 1.0);
+        coordinate.depth = length(local);
+        coordinate.texel = vec2f(2.0 * face.width * local.z / side);
     }
-    place.inside = all(place.at >= vec2f(0.0)) && all(place.at <= vec2f(side)) && place.depth >= 0.0;
-    return place;
+    coordinate.inside = all(coordinate.at >= vec2f(0.0)) && all(coordinate.at <= vec2f(side)) && coordinate.depth >= 0.0;
+    return coordinate;
 }
 
-// The texel at a place, the nearest one of the face, and the depth that counts as the receiver's there: where its plane meets the texel's
+// The texel at a point, the nearest one of the face, and the depth that counts as the receiver's there: where its plane meets the texel's
 // ray, less a bias.
-fn tap(light: u32, receiver: Receiver, place: MapPlace, beside: vec2f) -> Tap {
+fn tap(light: u32, receiver: Receiver, coordinate: MapCoordinate, beside: vec2f) -> Tap {
     let side = shadow_lights[light].side;
     let at = clamp(floor(beside), vec2f(0.0), vec2f(f32(side) - 1.0));
     let middle = at + 0.5;
-    let texel = (place.face * side + u32(at.y)) * side + u32(at.x);
-    let ray = light_ray(light, place.face, middle);
-    let offset = length((middle - place.at) * place.texel);
+    let texel = (coordinate.face * side + u32(at.y)) * side + u32(at.x);
+    let ray = light_ray(light, coordinate.face, middle);
+    let offset = length((middle - coordinate.at) * coordinate.texel);
     let cosine = dot(receiver.normal, ray.direction);
     let limit = STEEPEST * offset;
-    var depth = place.depth;
+    var depth = coordinate.depth;
     if cosine != 0.0 {
         let on_plane = dot(receiver.position - ray.origin, receiver.normal) / cosine;
-        depth = clamp(on_plane, place.depth - limit, place.depth + limit);
+        depth = clamp(on_plane, coordinate.depth - limit, coordinate.depth + limit);
     }
     let facet = FACET_SLOPE * offset / max(cosine * cosine, 1.0 / STEEPEST);
-    return Tap(texel, depth - facet - lift(receiver) - DEPTH_ROUNDING * place.depth);
+    return Tap(texel, depth - facet - lift(receiver) - DEPTH_ROUNDING * coordinate.depth);
 }

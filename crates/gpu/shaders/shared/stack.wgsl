@@ -14,7 +14,7 @@ struct StackLayer {
 var<private> stack: array<StackLayer, P_K + 1u>;
 var<private> stack_count: u32;
 
-// Both as one; it keeps the place of the one in front.
+// Both as one; it keeps the depth of the one in front.
 fn layer_over(front: StackLayer, behind: StackLayer) -> StackLayer {
     return StackLayer(
         front.rgb_premul + front.transmittance * behind.rgb_premul,

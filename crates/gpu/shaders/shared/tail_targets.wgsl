@@ -1,4 +1,4 @@
-// Fragments that no place was left for, summed up by the blending units.
+// Fragments that no memory was left for, summed up by the blending units.
 #import shared/scene
 
 struct Tail {

@@ -22,7 +22,7 @@ struct Neighbours {
     weight: f32,
 }
 
-// The four texels around a place, row by row, and the weights of the right and the lower ones.
+// The four texels around a point, row by row, and the weights of the right and the lower ones.
 struct Footprint {
     texels: array<vec4u, 4>,
     weights: vec2f,

@@ -5,9 +5,9 @@
 #import shared/counters
 #import shared/opaque
 #import shared/shade
-#import shared/told
+#import shared/fragment_stats
 
-@group(2) @binding(2) var<storage, read_write> told: array<atomic<u32>>;
+@group(2) @binding(2) var<storage, read_write> fragment_stats: array<atomic<u32>>;
 
 // A share of a depth by which it may differ from itself: compilers are free to round differently in the shaders that compute it.
 const DEPTH_SLACK: f32 = 4.8e-7;
@@ -31,25 +31,25 @@ fn transparent_fragment(pixel: vec2u, triangle: u32) -> TransparentFragment {
 }
 
 // The first pass over all fragments counts them and looks for the furthest.
-fn tell_hit(pixel: vec2u, hit: Hit) {
-    let place = told_place(pixel);
-    atomicMax(&told[place + TOLD_FURTHEST], bitcast<u32>(hit.t));
-    atomicAdd(&told[place + TOLD_HITS], 1u);
+fn record_hit(pixel: vec2u, hit: Hit) {
+    let stats = stats_index(pixel);
+    atomicMax(&fragment_stats[stats + STATS_FURTHEST], bitcast<u32>(hit.t));
+    atomicAdd(&fragment_stats[stats + STATS_HITS], 1u);
 }
 
 // A later one, which triangle that is.
-fn tell_triangle(pixel: vec2u, hit: Hit) {
-    let place = told_place(pixel);
-    if hit.t >= bitcast<f32>(atomicLoad(&told[place + TOLD_FURTHEST])) * (1.0 - DEPTH_SLACK) {
-        atomicMax(&told[place + TOLD_TRIANGLE], hit.triangle);
+fn record_triangle(pixel: vec2u, hit: Hit) {
+    let stats = stats_index(pixel);
+    if hit.t >= bitcast<f32>(atomicLoad(&fragment_stats[stats + STATS_FURTHEST])) * (1.0 - DEPTH_SLACK) {
+        atomicMax(&fragment_stats[stats + STATS_TRIANGLE], hit.triangle);
     }
 }
 
 // Light of a fragment, and a 1.
 fn shaded(pixel: vec2u, fragment: TransparentFragment) -> vec4f {
     let rgb = shade(camera_ray(sample_of(pixel)), fragment.hit, pixel);
-    let place = told_place(pixel);
-    atomicAdd(&told[place + TOLD_SHADED], 1u);
-    atomicAdd(&told[place + TOLD_SHADOW_RAYS], counted_shadow_rays);
+    let stats = stats_index(pixel);
+    atomicAdd(&fragment_stats[stats + STATS_SHADED], 1u);
+    atomicAdd(&fragment_stats[stats + STATS_SHADOW_RAYS], counted_shadow_rays);
     return vec4f(rgb, 1.0);
 }

@@ -31,12 +31,12 @@ fn traverse_VISITOR(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32) {
                     if boxes.near[lane] <= boxes.far[lane] && children[lane] != BVH_NONE {
                         // Turns -0 into +0, whose bits sort below all other distances.
                         let near = bitcast<u32>(abs(boxes.near[lane]));
-                        var place = count;
-                        while place > first && stack[place - 1u].x < near {
-                            stack[place] = stack[place - 1u];
-                            place--;
+                        var slot = count;
+                        while slot > first && stack[slot - 1u].x < near {
+                            stack[slot] = stack[slot - 1u];
+                            slot--;
                         }
-                        stack[place] = vec2u(near, children[lane]);
+                        stack[slot] = vec2u(near, children[lane]);
                         count++;
                     }
                 }

@@ -2,7 +2,7 @@
 
 use wgpu::{BlendState, ColorTargetState, ColorWrites, CompareFunction, TextureFormat};
 
-use super::{DEPTH_FORMAT, Parts};
+use super::{format::DEPTH_FORMAT, parts::Parts};
 use crate::recording::{Groups, Recording};
 
 /// How all triangles are drawn in a pass.

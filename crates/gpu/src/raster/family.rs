@@ -7,33 +7,38 @@ use wgpu::{
 };
 
 use super::{
-    DEPTH_FORMAT, Opaque, Parts,
-    behind::Behind,
+    composite::Composite,
     draw::Draw,
+    format::DEPTH_FORMAT,
+    opaque::Opaque,
+    parts::Parts,
     plan::{Passes, Plan, Resource, Step, Work},
-    target::Target,
 };
 use crate::{
-    GpuError,
-    bindings::{buffer_entry, compute_pipeline, storage, texture_entry, texture_in, whole},
-    recording::{Groups, Recording},
+    error::GpuError,
+    recording::{Groups, Recording, compute_pipeline},
+    resource::{
+        bind_group::{buffer_entry, group_of, layout, texture_entry, texture_in, whole},
+        buffer::pixel_buffer,
+        target::Target,
+    },
 };
 
 /// A method's passes.
 #[derive(Debug)]
 pub(super) struct Family {
     opaque: Opaque,
-    resources: Vec<Made>,
+    resources: Vec<DeviceResource>,
     /// By entry point.
     programs: BTreeMap<&'static str, Program>,
     /// With their bindings of group 2.
     steps: Vec<(Step, wgpu::BindGroup)>,
-    behind: Behind,
+    composite: Composite,
 }
 
 /// A resource on the device.
 #[derive(Debug)]
-enum Made {
+enum DeviceResource {
     Texture { target: Target, format: TextureFormat, clear: wgpu::Color },
     Buffer(wgpu::Buffer),
 }
@@ -52,19 +57,23 @@ enum Runnable {
     Pixels(wgpu::ComputePipeline),
 }
 
-impl Made {
+impl DeviceResource {
     fn new(parts: &Parts<'_>, resource: Resource) -> Result<Self, GpuError> {
         let drawn_to = TextureUsages::RENDER_ATTACHMENT;
         Ok(match resource {
             Resource::Target { label, format, clear } => {
                 let usage = drawn_to | TextureUsages::TEXTURE_BINDING;
-                Self::Texture { target: Target::new(parts, label, format, usage)?, format, clear }
+                Self::Texture {
+                    target: Target::new(parts.gpu, parts.size, label, format, usage)?,
+                    format,
+                    clear,
+                }
             }
             Resource::Depth { label } => {
-                let target = Target::new(parts, label, DEPTH_FORMAT, drawn_to)?;
+                let target = Target::new(parts.gpu, parts.size, label, DEPTH_FORMAT, drawn_to)?;
                 Self::Texture { target, format: DEPTH_FORMAT, clear: wgpu::Color::WHITE }
             }
-            Resource::Storage { label, bytes_per_pixel } => Self::Buffer(storage(
+            Resource::Storage { label, bytes_per_pixel } => Self::Buffer(pixel_buffer(
                 parts.gpu,
                 parts.size,
                 label,
@@ -114,7 +123,7 @@ impl Program {
         parts: &Parts<'_>,
         module: &wgpu::ShaderModule,
         step: &Step,
-        resources: &[Made],
+        resources: &[DeviceResource],
     ) -> Result<Self, GpuError> {
         let device = parts.gpu.device();
         let stage = match step.work {
@@ -123,15 +132,12 @@ impl Program {
         };
         let mut entries = vec![texture_entry(0, stage, wgpu::TextureSampleType::Uint, false)];
         entries
-            .extend(step.bound.iter().map(|&(binding, place)| resources[place].layout_entry(binding, stage)));
-        let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-            label: Some(step.entry_point),
-            entries: &entries,
-        });
+            .extend(step.bound.iter().map(|&(binding, index)| resources[index].layout_entry(binding, stage)));
+        let layout = layout(&device, step.entry_point, &entries);
         let pipeline = match &step.work {
             Work::Draw { targets, depth } => {
                 let targets: Vec<_> =
-                    targets.iter().map(|&(place, blend)| (resources[place].texture().1, blend)).collect();
+                    targets.iter().map(|&(index, blend)| (resources[index].texture().1, blend)).collect();
                 let draw = Draw {
                     label: step.name,
                     module,
@@ -165,7 +171,7 @@ impl Family {
             });
         }
         let opaque = Opaque::new(parts)?;
-        let made = resources.into_iter().map(|resource| Made::new(parts, resource));
+        let made = resources.into_iter().map(|resource| DeviceResource::new(parts, resource));
         let resources = made.collect::<Result<Vec<_>, _>>()?;
         let module = parts.gpu.shader(Plan::PIECE, text)?;
         let mut programs = BTreeMap::new();
@@ -176,36 +182,33 @@ impl Family {
         }
         let with_group = |step: Step| {
             let mut entries = vec![texture_in(0, &opaque.surface.view)];
-            entries.extend(step.bound.iter().map(|&(binding, place)| resources[place].entry(binding)));
-            let group = parts.gpu.device().create_bind_group(&wgpu::BindGroupDescriptor {
-                label: Some(step.name),
-                layout: &programs[step.entry_point].layout,
-                entries: &entries,
-            });
+            entries.extend(step.bound.iter().map(|&(binding, index)| resources[index].entry(binding)));
+            let layout = &programs[step.entry_point].layout;
+            let group = group_of(&parts.gpu.device(), step.name, layout, &entries);
             (step, group)
         };
         let steps = steps.into_iter().map(with_group).collect();
         parts.gpu.check(Plan::PIECE)?;
-        let behind = Behind::new(parts, &opaque)?;
-        Ok(Self { opaque, resources, programs, steps, behind })
+        let composite = Composite::new(parts, &opaque)?;
+        Ok(Self { opaque, resources, programs, steps, composite })
     }
 
     pub(super) fn record(&self, recording: &mut Recording<'_>, groups: &Groups<'_>) {
         self.opaque.record(recording, groups);
         for resource in &self.resources {
-            if let Made::Buffer(buffer) = resource {
+            if let DeviceResource::Buffer(buffer) = resource {
                 recording.encoder.clear_buffer(buffer, 0, None);
             }
         }
         for (step, group) in &self.steps {
             match (&step.work, &self.programs[step.entry_point].pipeline) {
                 (Work::Draw { targets, depth }, Runnable::Draw(pipeline)) => {
-                    let attached = |&(place, _): &(usize, _)| {
-                        let (target, _, clear) = self.resources[place].texture();
+                    let attached = |&(index, _): &(usize, _)| {
+                        let (target, _, clear) = self.resources[index].texture();
                         Some(target.cleared(clear))
                     };
                     let targets: Vec<_> = targets.iter().map(attached).collect();
-                    let depth = depth.map(|place| self.resources[place].texture().0.cleared_depth());
+                    let depth = depth.map(|index| self.resources[index].texture().0.cleared_depth());
                     recording.draw(step.name, pipeline, groups, Some(group), &targets, depth);
                 }
                 (Work::Pixels, Runnable::Pixels(pipeline)) => {
@@ -214,11 +217,11 @@ impl Family {
                 _ => unreachable!("a program is made for its step's work"),
             }
         }
-        self.behind.record(recording, groups);
+        self.composite.record(recording, groups);
     }
 
     /// Everything that the plan asks for.
     pub(super) fn bytes(&self) -> u64 {
-        self.resources.iter().map(Made::bytes).sum()
+        self.resources.iter().map(DeviceResource::bytes).sum()
     }
 }

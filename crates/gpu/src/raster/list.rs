@@ -1,16 +1,24 @@
 //! Fragments in order through a list a pixel: the exact answer, selection, and the hybrid of STD section 3.5.
 
-use wgpu::{
-    BlendComponent, BlendFactor, BlendOperation, BlendState, BufferBindingType, BufferUsages, ShaderStages,
-};
-use wgpu::{TextureFormat, TextureSampleType, TextureUsages};
+use wgpu::{BufferBindingType, BufferUsages, ShaderStages, TextureSampleType, TextureUsages};
 
-use super::{Opaque, Parts, behind::Behind, draw::Draw, plan::Plan, target::Target};
+use super::{
+    composite::Composite,
+    draw::Draw,
+    format::{ADD, MULTIPLY, TAIL_FORMATS},
+    opaque::Opaque,
+    parts::Parts,
+    plan::Plan,
+};
 use crate::{
-    GpuError,
-    bindings::{buffer_entry, compute_pipeline, group, storage, texture_entry, texture_in, whole},
+    error::GpuError,
     ray::{Search, Shade},
-    recording::{Groups, Recording},
+    recording::{Groups, Recording, compute_pipeline},
+    resource::{
+        bind_group::{buffer_entry, group, texture_entry, texture_in, whole},
+        buffer::{pixel_buffer, storage_limit},
+        target::Target,
+    },
     shader::Linker,
 };
 
@@ -20,19 +28,6 @@ const NODES_PER_PIXEL: u64 = 32;
 const NODE_BYTES: u64 = 8;
 /// The first node; one more counts the nodes.
 const HEAD_BYTES: u64 = 4;
-
-/// What fragments without a place add up to: radiance times alpha, alpha; and their transmittance.
-pub(super) const TAIL_FORMATS: [TextureFormat; 2] = [TextureFormat::Rgba16Float, TextureFormat::R16Float];
-
-/// Sums.
-pub(super) const ADD: BlendState = same(BlendFactor::One, BlendFactor::One);
-/// Products of what was there with what comes.
-pub(super) const MULTIPLY: BlendState = same(BlendFactor::Zero, BlendFactor::Src);
-
-const fn same(src_factor: BlendFactor, dst_factor: BlendFactor) -> BlendState {
-    let component = BlendComponent { src_factor, dst_factor, operation: BlendOperation::Add };
-    BlendState { color: component, alpha: component }
-}
 
 /// Lists of all transparent fragments.
 #[derive(Debug)]
@@ -55,15 +50,14 @@ enum After {
     Nothing,
     /// Shade one fragment a pixel.
     Shade(Shade),
-    /// Put what is opaque behind the light of the others.
-    Behind(Behind),
+    /// Composite the light of the lists over what is opaque.
+    Composite(Composite),
 }
 
 /// Nodes for so many pixels, as far as one binding goes.
 fn node_bytes_per_pixel(parts: &Parts<'_>) -> u64 {
     let [width, height] = parts.size.map(u64::from);
-    let limits = parts.gpu.device().limits();
-    let most = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size) / (width * height).max(1);
+    let most = storage_limit(&parts.gpu.device().limits()) / (width * height).max(1);
     (NODE_BYTES * NODES_PER_PIXEL).min(most / NODE_BYTES * NODE_BYTES)
 }
 
@@ -87,7 +81,7 @@ impl Lists {
     /// With the shader of a [`Plan`] for what becomes of the lists.
     pub(super) fn planned(parts: &Parts<'_>, text: String) -> Result<Self, GpuError> {
         let mut lists = Self::resolved_by(parts, [Plan::PIECE, Plan::ENTRY_POINT], text)?;
-        lists.after = After::Behind(Behind::new(parts, &lists.opaque)?);
+        lists.after = After::Composite(Composite::new(parts, &lists.opaque)?);
         Ok(lists)
     }
 
@@ -99,9 +93,14 @@ impl Lists {
     ) -> Result<Self, GpuError> {
         let (gpu, device) = (parts.gpu, parts.gpu.device());
         let opaque = Opaque::new(parts)?;
-        let heads =
-            storage(parts.gpu, parts.size, "list heads", [HEAD_BYTES, HEAD_BYTES], BufferUsages::COPY_DST)?;
-        let nodes = storage(
+        let heads = pixel_buffer(
+            parts.gpu,
+            parts.size,
+            "list heads",
+            [HEAD_BYTES, HEAD_BYTES],
+            BufferUsages::COPY_DST,
+        )?;
+        let nodes = pixel_buffer(
             parts.gpu,
             parts.size,
             "list nodes",
@@ -111,8 +110,8 @@ impl Lists {
         let usage = TextureUsages::RENDER_ATTACHMENT | TextureUsages::TEXTURE_BINDING;
         let [sums, transmittance] = TAIL_FORMATS;
         let tail = [
-            Target::new(parts, "tail sums", sums, usage)?,
-            Target::new(parts, "tail transmittance", transmittance, usage)?,
+            Target::new(gpu, parts.size, "tail sums", sums, usage)?,
+            Target::new(gpu, parts.size, "tail transmittance", transmittance, usage)?,
         ];
 
         let (fragment, compute) = (ShaderStages::FRAGMENT, ShaderStages::COMPUTE);
@@ -169,7 +168,7 @@ impl Lists {
         match &self.after {
             After::Nothing => {}
             After::Shade(shade) => shade.record(recording, groups),
-            After::Behind(behind) => behind.record(recording, groups),
+            After::Composite(composite) => composite.record(recording, groups),
         }
     }
 

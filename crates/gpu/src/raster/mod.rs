@@ -5,31 +5,32 @@
 //! ([`plan`], [`family`]); `stochastic` by targets of several samples a pixel ([`stochastic`]).
 
 use sheer_render::{Method, Settings};
-use wgpu::{TextureFormat, TextureUsages};
 
 use self::{
     family::Family,
+    parts::Parts,
     stochastic::{Sampling, Stochastic},
-    target::Target,
     visibility::Visibility,
 };
 pub(crate) use self::{list::Lists, plan::Plan};
 use crate::{
-    GpuError,
-    bindings::Layouts,
     device::Gpu,
+    error::GpuError,
+    layouts::Layouts,
     ray::Search,
     recording::{Groups, Recording},
     shader::Linker,
 };
 
-mod behind;
+mod composite;
 mod draw;
 mod family;
+mod format;
 mod list;
+mod opaque;
+mod parts;
 mod plan;
 pub(crate) mod stochastic;
-mod target;
 mod visibility;
 
 /// How a method is drawn.
@@ -45,18 +46,6 @@ enum Technique {
 #[derive(Debug)]
 pub(crate) struct RasterPath {
     technique: Technique,
-}
-
-/// What all techniques are made from.
-pub(crate) struct Parts<'a> {
-    pub(crate) gpu: &'a Gpu,
-    pub(crate) layouts: &'a Layouts,
-    /// Knows how rays of light are traced; what goes by it is the same for all methods, and drivers compile it once.
-    pub(crate) linker: &'a Linker,
-    /// Knows the method, too.
-    pub(crate) method_linker: Linker,
-    /// Pixels.
-    pub(crate) size: [u32; 2],
 }
 
 impl RasterPath {
@@ -114,47 +103,5 @@ impl RasterPath {
             Technique::Family(family) => family.bytes(),
             Technique::Stochastic(stochastic) => stochastic.bytes(),
         }
-    }
-}
-
-/// Format of a visibility buffer: triangle, two weights, side.
-pub(crate) const SURFACE_FORMAT: TextureFormat = TextureFormat::Rgba32Uint;
-/// Depths keep all bits of the distances they are made from.
-pub(crate) const DEPTH_FORMAT: TextureFormat = TextureFormat::Depth32Float;
-/// No triangle.
-const NO_SURFACE: wgpu::Color = wgpu::Color { r: u32::MAX as f64, g: 0.0, b: 0.0, a: 0.0 };
-
-/// The nearest opaque surface of each pixel, and how it is drawn.
-#[derive(Debug)]
-pub(crate) struct Opaque {
-    pipeline: wgpu::RenderPipeline,
-    pub(crate) surface: Target,
-    depth: Target,
-}
-
-impl Opaque {
-    pub(crate) fn new(parts: &Parts<'_>) -> Result<Self, GpuError> {
-        let module = parts.gpu.shader("pass/opaque", parts.linker.link("pass/opaque")?)?;
-        let pipeline = draw::Draw {
-            label: "opaque",
-            module: &module,
-            vertex: "vs_all",
-            fragment: "fs_opaque",
-            group: None,
-            targets: &[(SURFACE_FORMAT, None)],
-            depth: Some(wgpu::CompareFunction::Less),
-            samples: 1,
-        };
-        let pipeline = pipeline.build(parts);
-        parts.gpu.check("pass/opaque")?;
-        let usage = TextureUsages::RENDER_ATTACHMENT | TextureUsages::TEXTURE_BINDING;
-        let surface = Target::new(parts, "opaque surface", SURFACE_FORMAT, usage)?;
-        let depth = Target::new(parts, "opaque depth", DEPTH_FORMAT, TextureUsages::RENDER_ATTACHMENT)?;
-        Ok(Self { pipeline, surface, depth })
-    }
-
-    pub(crate) fn record(&self, recording: &mut Recording<'_>, groups: &Groups<'_>) {
-        let targets = [Some(self.surface.cleared(NO_SURFACE))];
-        recording.draw("opaque", &self.pipeline, groups, None, &targets, Some(self.depth.cleared_depth()));
     }
 }

@@ -2,7 +2,7 @@
 //! it out.
 //!
 //! Shaders are in `shaders/method/<id>.wgsl`; `composited` there says what becomes of a pixel in `shaders/pass/front.wgsl`, always the last step.
-//! [`Behind`](super::behind::Behind) comes after it.
+//! [`Composite`](super::composite::Composite) comes after it.
 
 use sheer_render::{
     Method,
@@ -10,12 +10,12 @@ use sheer_render::{
 };
 use wgpu::{BlendState, Color, Features, TextureFormat};
 
-use super::list::{ADD, MULTIPLY, TAIL_FORMATS};
+use super::format::{ADD, MULTIPLY, TAIL_FORMATS};
 use crate::{
-    GpuError,
+    error::GpuError,
     shader::{
         Linker,
-        constants::{self, Constant},
+        constant::{self, Constant},
     },
 };
 
@@ -76,7 +76,7 @@ pub(crate) struct Step {
     pub(super) entry_point: &'static str,
     /// What it runs over.
     pub(super) work: Work,
-    /// Bindings of group 2 and the places in [`Passes::resources`] of what is bound there. Binding 0 is the opaque surface.
+    /// Bindings of group 2 and the indices into [`Passes::resources`] of what is bound there. Binding 0 is the opaque surface.
     pub(super) bound: Vec<(u32, usize)>,
 }
 
@@ -85,9 +85,9 @@ pub(crate) struct Step {
 pub(crate) enum Work {
     /// The fragments of all triangles.
     Draw {
-        /// Places of what is drawn to, and how it is blended with what is there.
+        /// Indices of what is drawn to, and how it is blended with what is there.
         targets: Vec<(usize, Option<BlendState>)>,
-        /// Place of the depth buffer, if only the nearest fragment stays.
+        /// Index of the depth buffer, if only the nearest fragment stays.
         depth: Option<usize>,
     },
     /// All pixels.
@@ -181,7 +181,7 @@ fn weighted() -> Passes {
             },
             front(vec![(1, 0), (2, 1)]),
         ],
-        constants: constants::text(&constants),
+        constants: constant::text(&constants),
         features: Features::empty(),
     }
 }
@@ -204,7 +204,7 @@ fn moments(method: &Method) -> Passes {
     }
     // At order 4 the first four stand in for the further ones, which nothing looks at.
     let sums = vec![(1, 1), (2, 2), (3, resources.len() - 1)];
-    let targets = (1..resources.len()).map(|place| (place, Some(ADD))).collect();
+    let targets = (1..resources.len()).map(|index| (index, Some(ADD))).collect();
     Passes {
         resources,
         steps: vec![
@@ -222,7 +222,7 @@ fn moments(method: &Method) -> Passes {
             },
             front(vec![(1, 1), (4, 0)]),
         ],
-        constants: constants::text(&constants),
+        constants: constant::text(&constants),
         features: Features::FLOAT32_BLENDABLE,
     }
 }

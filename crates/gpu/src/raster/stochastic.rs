@@ -18,23 +18,27 @@ use wgpu::{
 };
 
 use super::{
-    DEPTH_FORMAT, Opaque, Parts,
-    behind::Behind,
+    composite::Composite,
     draw::Draw,
-    list::{ADD, MULTIPLY},
-    target::Target,
+    format::{ADD, DEPTH_FORMAT, MULTIPLY},
+    opaque::Opaque,
+    parts::Parts,
 };
 use crate::{
-    GpuError,
-    bindings::{buffer_entry, compute_pipeline, group, storage, texture_entry, texture_in, whole},
     device::AdapterReport,
-    recording::{Groups, Recording},
+    error::GpuError,
+    recording::{Groups, Recording, compute_pipeline},
+    resource::{
+        bind_group::{buffer_entry, group, texture_entry, texture_in, whole},
+        buffer::{buffer, pixel_buffer},
+        target::Target,
+    },
 };
 
 /// Its id.
 const METHOD: &str = "stochastic";
-/// Words a pixel of shaders/shared/told.wgsl.
-const TOLD_BYTES: u64 = 4 * 5;
+/// Words a pixel of shaders/shared/fragment_stats.wgsl.
+const STATS_BYTES: u64 = 4 * 5;
 /// `Sums` of shaders/pass/stochastic_resolve.wgsl.
 const SUMS_BYTES: u64 = 32;
 /// Radiance times alpha and alpha, or a colour and a 1.
@@ -136,7 +140,7 @@ pub(super) struct Stochastic {
     sampling: Sampling,
     opaque: Opaque,
     targets: Targets,
-    told: wgpu::Buffer,
+    fragment_stats: wgpu::Buffer,
     ended_rounds: wgpu::Buffer,
     total_alpha: wgpu::RenderPipeline,
     /// Depths, or colours of winners.
@@ -144,8 +148,8 @@ pub(super) struct Stochastic {
     /// None of winners.
     accumulate: Option<wgpu::RenderPipeline>,
     end_round: wgpu::ComputePipeline,
-    composite: wgpu::ComputePipeline,
-    behind: Behind,
+    resolve: wgpu::ComputePipeline,
+    composite: Composite,
     rounds: Vec<RoundGroups>,
     resolve_group: wgpu::BindGroup,
 }
@@ -167,17 +171,16 @@ struct Targets {
 
 impl Targets {
     fn new(parts: &Parts<'_>, sampling: Sampling) -> Result<Self, GpuError> {
-        let target = |parts: &Parts<'_>, label, format| {
+        let target = |size, label, format| {
             let usage = TextureUsages::RENDER_ATTACHMENT | TextureUsages::TEXTURE_BINDING;
-            Target::multisampled(parts, label, format, usage, sampling.samples)
+            Target::multisampled(parts.gpu, size, label, format, usage, sampling.samples)
         };
         // Shaders name it even where nothing is drawn to it.
         let size = if sampling.has_total_alpha() { parts.size } else { [1, 1] };
-        let own = Parts { method_linker: parts.method_linker.clone(), size, ..*parts };
         Ok(Self {
-            depth: target(parts, "stochastic depth", DEPTH_FORMAT)?,
-            sums: target(parts, "stochastic sums", SUMS_FORMAT)?,
-            transmittance: target(&own, "total transmittance", TRANSMITTANCE_FORMAT)?,
+            depth: target(parts.size, "stochastic depth", DEPTH_FORMAT)?,
+            sums: target(parts.size, "stochastic sums", SUMS_FORMAT)?,
+            transmittance: target(size, "total transmittance", TRANSMITTANCE_FORMAT)?,
         })
     }
 }
@@ -191,16 +194,28 @@ impl Stochastic {
         let device = parts.gpu.device();
         let opaque = Opaque::new(parts)?;
         let targets = Targets::new(parts, sampling)?;
-        let told = storage(parts.gpu, parts.size, "told", [TOLD_BYTES, 0], BufferUsages::COPY_DST)?;
+        let fragment_stats = pixel_buffer(
+            parts.gpu,
+            parts.size,
+            "fragment statistics",
+            [STATS_BYTES, 0],
+            BufferUsages::COPY_DST,
+        )?;
         let sums_bytes = if sampling.rounds > 1 { SUMS_BYTES } else { 0 };
-        let ended_rounds =
-            storage(parts.gpu, parts.size, "ended rounds", [sums_bytes, SUMS_BYTES], BufferUsages::COPY_DST)?;
+        let ended_rounds = pixel_buffer(
+            parts.gpu,
+            parts.size,
+            "ended rounds",
+            [sums_bytes, SUMS_BYTES],
+            BufferUsages::COPY_DST,
+        )?;
 
         let round_numbers = RoundNumbers::new(parts, sampling.rounds);
         let mut layouts = None;
         let mut rounds = Vec::new();
         for round in 0..sampling.rounds {
-            let shared = [texture_in(0, &opaque.surface.view), round_numbers.entry(round), whole(2, &told)];
+            let shared =
+                [texture_in(0, &opaque.surface.view), round_numbers.entry(round), whole(2, &fragment_stats)];
             let [keep_layout, accumulate_layout] = drawing_layouts();
             let (keep_layout, keep) = group(&device, "stochastic", &keep_layout, &shared);
             let with_depth: Vec<BindGroupEntry<'_>> =
@@ -214,21 +229,22 @@ impl Stochastic {
             unreachable!("there is a round at least")
         };
         let [total_alpha, keep, accumulate] = drawing(parts, sampling, [&keep_layout, &accumulate_layout])?;
-        let (resolve_layout, resolve_group) = resolve_group(&device, &targets, [&told, &ended_rounds]);
-        let behind = Behind::new(parts, &opaque)?;
-        let [end_round, composite] = resolving(parts, sampling, &resolve_layout)?;
+        let (resolve_layout, resolve_group) =
+            resolve_group(&device, &targets, [&fragment_stats, &ended_rounds]);
+        let composite = Composite::new(parts, &opaque)?;
+        let [end_round, resolve] = resolving(parts, sampling, &resolve_layout)?;
         Ok(Self {
             sampling,
             opaque,
             targets,
-            told,
+            fragment_stats,
             ended_rounds,
             total_alpha,
             keep,
             accumulate: (!sampling.is_basic).then_some(accumulate),
             end_round,
+            resolve,
             composite,
-            behind,
             rounds,
             resolve_group,
         })
@@ -237,7 +253,7 @@ impl Stochastic {
     pub(super) fn record(&self, recording: &mut Recording<'_>, groups: &Groups<'_>) {
         let Targets { depth, sums, transmittance } = &self.targets;
         self.opaque.record(recording, groups);
-        recording.encoder.clear_buffer(&self.told, 0, None);
+        recording.encoder.clear_buffer(&self.fragment_stats, 0, None);
         recording.encoder.clear_buffer(&self.ended_rounds, 0, None);
         if self.sampling.has_total_alpha() {
             let targets = [Some(transmittance.cleared(wgpu::Color::WHITE))];
@@ -258,15 +274,15 @@ impl Stochastic {
             recording.draw("stochastic depth", &self.keep, groups, Some(&round.keep), &[], depth);
             recording.draw("accumulate", accumulate, groups, Some(&round.accumulate), &sums, None);
         }
-        recording.for_each_pixel("composite", &self.composite, groups, Some(&self.resolve_group));
-        self.behind.record(recording, groups);
+        recording.for_each_pixel("composite", &self.resolve, groups, Some(&self.resolve_group));
+        self.composite.record(recording, groups);
     }
 
     /// Targets, what fragments tell, and the sums of rounds.
     pub(super) fn bytes(&self) -> u64 {
         let Targets { depth, sums, transmittance } = &self.targets;
         let targets: u64 = [depth, sums, transmittance].into_iter().map(Target::bytes).sum();
-        targets + self.told.size() + self.ended_rounds.size()
+        targets + self.fragment_stats.size() + self.ended_rounds.size()
     }
 }
 
@@ -320,7 +336,7 @@ fn drawing(
 fn resolve_group(
     device: &wgpu::Device,
     targets: &Targets,
-    [told, ended_rounds]: [&wgpu::Buffer; 2],
+    [fragment_stats, ended_rounds]: [&wgpu::Buffer; 2],
 ) -> (wgpu::BindGroupLayout, wgpu::BindGroup) {
     let stage = ShaderStages::COMPUTE;
     let samples =
@@ -328,7 +344,7 @@ fn resolve_group(
     let buffer = |binding, read_only| buffer_entry(binding, stage, BufferBindingType::Storage { read_only });
     let layout = [buffer(2, true), depth_entry(stage), samples(4), samples(5), buffer(6, false)];
     let entries = [
-        whole(2, told),
+        whole(2, fragment_stats),
         texture_in(3, &targets.depth.view),
         texture_in(4, &targets.sums.view),
         texture_in(5, &targets.transmittance.view),
@@ -348,7 +364,7 @@ fn resolving(
     let linker = parts.linker.clone().constants(sampling.constants());
     let module = parts.gpu.shader(piece, linker.link(piece)?)?;
     let groups = [&parts.layouts.scene, &parts.layouts.pass, own];
-    let pipelines = ["cs_end_round", "cs_composite"]
+    let pipelines = ["cs_end_round", "cs_resolve"]
         .map(|entry| compute_pipeline(&parts.gpu.device(), "stochastic resolve", &groups, &module, entry));
     parts.gpu.check(piece)?;
     Ok(pipelines)
@@ -367,12 +383,8 @@ impl RoundNumbers {
     fn new(parts: &Parts<'_>, rounds: u32) -> Self {
         let device = parts.gpu.device();
         let stride = u64::from(device.limits().min_uniform_buffer_offset_alignment).max(Self::BYTES);
-        let buffer = device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("rounds"),
-            size: stride * u64::from(rounds),
-            usage: BufferUsages::UNIFORM | BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        });
+        let usage = BufferUsages::UNIFORM | BufferUsages::COPY_DST;
+        let buffer = buffer(&device, "rounds", stride * u64::from(rounds), usage);
         for round in 0..rounds {
             parts.gpu.queue().write_buffer(&buffer, stride * u64::from(round), bytemuck::bytes_of(&round));
         }

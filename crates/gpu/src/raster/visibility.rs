@@ -2,12 +2,20 @@
 
 use wgpu::{BufferBindingType, BufferUsages, ShaderStages, TextureUsages};
 
-use super::{DEPTH_FORMAT, NO_SURFACE, Parts, SURFACE_FORMAT, draw::Draw, target::Target};
+use super::{
+    draw::Draw,
+    format::{DEPTH_FORMAT, NO_SURFACE, SURFACE_FORMAT},
+    parts::Parts,
+};
 use crate::{
-    GpuError,
-    bindings::{buffer_entry, compute_pipeline, group, storage, texture_entry, texture_in, whole},
+    error::GpuError,
     ray::Shade,
-    recording::{Groups, Recording},
+    recording::{Groups, Recording, compute_pipeline},
+    resource::{
+        bind_group::{buffer_entry, group, texture_entry, texture_in, whole},
+        buffer::pixel_buffer,
+        target::Target,
+    },
 };
 
 /// Of each pixel: distance of the nearest partly transparent fragment, and how many were tested.
@@ -33,10 +41,16 @@ impl Visibility {
         let read_write = BufferBindingType::Storage { read_only: false };
         let read_only = BufferBindingType::Storage { read_only: true };
         let usage = TextureUsages::RENDER_ATTACHMENT | TextureUsages::TEXTURE_BINDING;
-        let surface = Target::new(parts, "visible surface", SURFACE_FORMAT, usage)?;
-        let depth = Target::new(parts, "visible depth", DEPTH_FORMAT, TextureUsages::RENDER_ATTACHMENT)?;
-        let tested =
-            storage(parts.gpu, parts.size, "tested fragments", [TESTED_BYTES, 0], BufferUsages::COPY_DST)?;
+        let surface = Target::new(gpu, parts.size, "visible surface", SURFACE_FORMAT, usage)?;
+        let depth =
+            Target::new(gpu, parts.size, "visible depth", DEPTH_FORMAT, TextureUsages::RENDER_ATTACHMENT)?;
+        let tested = pixel_buffer(
+            parts.gpu,
+            parts.size,
+            "tested fragments",
+            [TESTED_BYTES, 0],
+            BufferUsages::COPY_DST,
+        )?;
 
         let (draw_layout, draw_group) =
             group(&device, "visibility", &[buffer_entry(0, fragment, read_write)], &[whole(0, &tested)]);

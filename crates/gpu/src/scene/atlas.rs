@@ -9,30 +9,30 @@ use etagere::{AtlasAllocator, size2};
 use sheer_image::Image;
 use sheer_scene::model::Texture;
 
-use crate::GpuError;
+use crate::error::GpuError;
 
 /// Least side of a layer: small textures share a few layers instead of taking one each.
 const LEAST_SIDE: u32 = 1024;
 
-/// Where a texture lies.
+/// Where a texture lies in the atlas.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct Place {
-    pub(super) layer: u32,
+pub(crate) struct Region {
+    pub(crate) layer: u32,
     /// Of the upper left texel.
-    pub(super) origin: [u32; 2],
+    pub(crate) origin: [u32; 2],
 }
 
 /// An arrangement of textures.
 #[derive(Debug)]
-pub(super) struct Atlas {
+pub(crate) struct Atlas {
     /// Width and height of the layers, texels; 1 if there is no texture.
-    pub(super) side: u32,
+    pub(crate) side: u32,
     /// How many layers, at least 1.
-    pub(super) layers: u32,
-    /// One a texture; textures that share an image share a place.
-    pub(super) places: Vec<Place>,
+    pub(crate) layers: u32,
+    /// One a texture; textures that share an image share a region.
+    pub(crate) regions: Vec<Region>,
     /// One a different image: the index of the first texture that has it.
-    pub(super) stored: Vec<usize>,
+    pub(crate) stored: Vec<usize>,
 }
 
 impl Atlas {
@@ -40,7 +40,7 @@ impl Atlas {
     ///
     /// # Errors
     /// [`GpuError::Limit`] names the texture that is too large or for which no layer is left.
-    pub(super) fn new(textures: &[Texture], limits: &wgpu::Limits) -> Result<Self, GpuError> {
+    pub(crate) fn new(textures: &[Texture], limits: &wgpu::Limits) -> Result<Self, GpuError> {
         let longest = |texture: &Texture| texture.image.width().max(texture.image.height());
         let most = limits.max_texture_dimension_2d;
         for texture in textures {
@@ -54,7 +54,7 @@ impl Atlas {
             }
         }
         let Some(largest) = textures.iter().map(longest).max() else {
-            return Ok(Self { side: 1, layers: 1, places: Vec::new(), stored: Vec::new() });
+            return Ok(Self { side: 1, layers: 1, regions: Vec::new(), stored: Vec::new() });
         };
         let side = largest.max(LEAST_SIDE).next_power_of_two().min(most);
 
@@ -70,9 +70,9 @@ impl Atlas {
         });
 
         let mut layers: Vec<AtlasAllocator> = Vec::new();
-        let mut places = vec![Place::default(); textures.len()];
+        let mut regions = vec![Region::default(); textures.len()];
         for &index in &stored {
-            places[index] = place(&mut layers, side, textures[index].image.size());
+            regions[index] = allocate(&mut layers, side, textures[index].image.size());
             if layers.len() as u64 > u64::from(limits.max_texture_array_layers) {
                 return Err(GpuError::Limit {
                     what: format!("the texture atlas, in layers up to texture '{}',", textures[index].name),
@@ -83,13 +83,13 @@ impl Atlas {
             }
         }
         for (index, &owner) in owners.iter().enumerate() {
-            places[index] = places[owner];
+            regions[index] = regions[owner];
         }
-        Ok(Self { side, layers: layers.len() as u32, places, stored })
+        Ok(Self { side, layers: layers.len() as u32, regions, stored })
     }
 
     /// Makes the texture and sends every image.
-    pub(super) fn upload(
+    pub(crate) fn upload(
         &self,
         device: &wgpu::Device,
         queue: &wgpu::Queue,
@@ -107,7 +107,7 @@ impl Atlas {
         });
         for &index in &self.stored {
             let (width, height) = textures[index].image.size();
-            let Place { layer, origin: [x, y] } = self.places[index];
+            let Region { layer, origin: [x, y] } = self.regions[index];
             queue.write_texture(
                 wgpu::TexelCopyTextureInfo {
                     texture: &atlas,
@@ -128,7 +128,7 @@ impl Atlas {
     }
 
     /// Bytes of the texture.
-    pub(super) fn bytes(&self) -> u64 {
+    pub(crate) fn bytes(&self) -> u64 {
         4 * u64::from(self.side) * u64::from(self.side) * u64::from(self.layers)
     }
 }
@@ -137,8 +137,8 @@ fn extent(width: u32, height: u32, depth_or_array_layers: u32) -> wgpu::Extent3d
     wgpu::Extent3d { width, height, depth_or_array_layers }
 }
 
-/// A place for an image that fits into an empty layer, in the first layer with room or in a new one.
-fn place(layers: &mut Vec<AtlasAllocator>, side: u32, (width, height): (u32, u32)) -> Place {
+/// A region for an image that fits into an empty layer, in the first layer with room or in a new one.
+fn allocate(layers: &mut Vec<AtlasAllocator>, side: u32, (width, height): (u32, u32)) -> Region {
     let size = size2(width as i32, height as i32);
     let found = layers
         .iter_mut()
@@ -151,5 +151,5 @@ fn place(layers: &mut Vec<AtlasAllocator>, side: u32, (width, height): (u32, u32
         (layers.len() - 1, allocation)
     });
     let corner = allocation.rectangle.min;
-    Place { layer: layer as u32, origin: [corner.x as u32, corner.y as u32] }
+    Region { layer: layer as u32, origin: [corner.x as u32, corner.y as u32] }
 }

@@ -7,16 +7,15 @@ use sheer_scene::Frame;
 
 use self::{
     atlas::Atlas,
-    buffer::{Buffer, STORAGE},
-    records::{Light, Lobe, Material, MeshPlace, Object, Opacity, Texture},
+    records::{Light, Lobe, Material, MeshOffsets, Object, Opacity, Texture},
 };
-use crate::GpuError;
+use crate::{
+    error::GpuError,
+    resource::list::{ListBuffer, STORAGE},
+};
 
-mod atlas;
-mod buffer;
-mod records;
-#[cfg(test)]
-mod tests;
+pub(crate) mod atlas;
+pub(crate) mod records;
 
 pub use records::{CONSTANTS, NONE};
 
@@ -30,22 +29,22 @@ const ATLAS: usize = 10;
 /// The lists of `shaders/shared/scene.wgsl` (group 0, bindings 1 to 13), filled from a frame.
 #[derive(Debug)]
 pub struct SceneBuffers {
-    positions: Buffer,
-    previous_positions: Buffer,
-    triangles: Buffer,
-    objects: Buffer,
-    opacities: Buffer,
-    attributes: Buffer,
-    indices: Buffer,
-    deformed_normals: Buffer,
-    materials: Buffer,
-    textures: Buffer,
+    positions: ListBuffer,
+    previous_positions: ListBuffer,
+    triangles: ListBuffer,
+    objects: ListBuffer,
+    opacities: ListBuffer,
+    attributes: ListBuffer,
+    indices: ListBuffer,
+    deformed_normals: ListBuffer,
+    materials: ListBuffer,
+    textures: ListBuffer,
     atlas: wgpu::TextureView,
     atlas_bytes: u64,
-    lights: Buffer,
-    lobes: Buffer,
+    lights: ListBuffer,
+    lobes: ListBuffer,
     /// Where each mesh lies in `attributes` and `indices`.
-    meshes: Vec<MeshPlace>,
+    meshes: Vec<MeshOffsets>,
     /// What `triangles` and `objects` hold: the frame has it in another form.
     triangle_words: Vec<[u32; 2]>,
     object_records: Vec<Object>,
@@ -59,12 +58,15 @@ impl SceneBuffers {
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, frame: &Frame) -> Result<Self, GpuError> {
         let parts = frame.scene().parts();
         let (mut attributes, mut indices) = (Vec::new(), Vec::new());
-        let meshes =
-            parts.meshes.iter().map(|mesh| MeshPlace::append(mesh, &mut attributes, &mut indices)).collect();
+        let meshes = parts
+            .meshes
+            .iter()
+            .map(|mesh| MeshOffsets::append(mesh, &mut attributes, &mut indices))
+            .collect();
         let atlas = Atlas::new(&parts.textures, &device.limits())?;
         let materials: Vec<_> = parts.materials.iter().map(Material::new).collect();
-        let textures: Vec<_> = iter::zip(&parts.textures, &atlas.places)
-            .map(|(texture, &place)| Texture::new(texture, place))
+        let textures: Vec<_> = iter::zip(&parts.textures, &atlas.regions)
+            .map(|(texture, &region)| Texture::new(texture, region))
             .collect();
         let lobes: Vec<_> = parts.environment.lobes.iter().map(Lobe::new).collect();
 
@@ -78,20 +80,20 @@ impl SceneBuffers {
             ..wgpu::TextureViewDescriptor::default()
         };
         let mut buffers = Self {
-            positions: Buffer::new::<[Vec3; 3]>(device, "triangle positions", geometry),
-            previous_positions: Buffer::new::<[Vec3; 3]>(device, "previous positions", STORAGE),
-            triangles: Buffer::new::<[u32; 2]>(device, "triangle words", STORAGE),
-            objects: Buffer::new::<Object>(device, "objects", STORAGE),
-            opacities: Buffer::new::<Opacity>(device, "opacities", STORAGE),
-            attributes: Buffer::filled(device, queue, "vertex attributes", &attributes)?,
-            indices: Buffer::filled(device, queue, "vertex indices", &indices)?,
-            deformed_normals: Buffer::new::<Vec3>(device, "deformed normals", STORAGE),
-            materials: Buffer::filled(device, queue, "materials", &materials)?,
-            textures: Buffer::filled(device, queue, "textures", &textures)?,
+            positions: ListBuffer::new::<[Vec3; 3]>(device, "triangle positions", geometry),
+            previous_positions: ListBuffer::new::<[Vec3; 3]>(device, "previous positions", STORAGE),
+            triangles: ListBuffer::new::<[u32; 2]>(device, "triangle words", STORAGE),
+            objects: ListBuffer::new::<Object>(device, "objects", STORAGE),
+            opacities: ListBuffer::new::<Opacity>(device, "opacities", STORAGE),
+            attributes: ListBuffer::filled(device, queue, "vertex attributes", &attributes)?,
+            indices: ListBuffer::filled(device, queue, "vertex indices", &indices)?,
+            deformed_normals: ListBuffer::new::<Vec3>(device, "deformed normals", STORAGE),
+            materials: ListBuffer::filled(device, queue, "materials", &materials)?,
+            textures: ListBuffer::filled(device, queue, "textures", &textures)?,
             atlas: atlas.upload(device, queue, &parts.textures).create_view(&view),
             atlas_bytes: atlas.bytes(),
-            lights: Buffer::new::<Light>(device, "lights", STORAGE),
-            lobes: Buffer::filled(device, queue, "environment lobes", &lobes)?,
+            lights: ListBuffer::new::<Light>(device, "lights", STORAGE),
+            lobes: ListBuffer::filled(device, queue, "environment lobes", &lobes)?,
             meshes,
             triangle_words: Vec::new(),
             object_records: Vec::new(),
@@ -183,7 +185,7 @@ impl SceneBuffers {
     }
 
     /// The lists in the order of their bindings; none in the place of the atlas.
-    fn lists(&self) -> [Option<&Buffer>; BINDINGS] {
+    fn lists(&self) -> [Option<&ListBuffer>; BINDINGS] {
         [
             Some(&self.positions),
             Some(&self.previous_positions),

@@ -13,7 +13,7 @@ use sheer_scene::{
     },
 };
 
-use super::atlas::Place;
+use super::atlas::Region;
 
 /// In place of an index or offset: there is none.
 pub const NONE: u32 = u32::MAX;
@@ -28,7 +28,7 @@ const LIGHT_DIRECTIONAL: u32 = 0;
 const LIGHT_POINT: u32 = 1;
 const LIGHT_SPOT: u32 = 2;
 
-/// Places in [`Material::textures`]. The normal comes last: it replaces what the others multiply.
+/// Indices into [`Material::textures`]. The normal comes last: it replaces what the others multiply.
 const TEXTURE_BASE_COLOUR: usize = 0;
 const TEXTURE_METALLIC_ROUGHNESS: usize = 1;
 const TEXTURE_EMISSIVE: usize = 2;
@@ -63,12 +63,12 @@ pub const CONSTANTS: &[(&str, u32)] = &[
 ];
 
 /// What the any-hit test reads: as the frame stores it.
-pub(super) type Opacity = sheer_scene::TriangleOpacity;
+pub(crate) type Opacity = sheer_scene::TriangleOpacity;
 
 /// Where a mesh's lists lie in the attribute and index buffers.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
-pub(super) struct MeshPlace {
+pub(crate) struct MeshOffsets {
     /// Of its first triangle, in indices.
     pub first_index: u32,
     pub vertex_count: u32,
@@ -85,7 +85,7 @@ pub(super) struct MeshPlace {
     pub uv_set_count: u32,
 }
 
-impl MeshPlace {
+impl MeshOffsets {
     /// Of a quad, which has no mesh.
     const NOWHERE: Self = Self {
         first_index: 0,
@@ -99,7 +99,7 @@ impl MeshPlace {
     };
 
     /// Appends a mesh's lists to the buffers' contents.
-    pub(super) fn append(mesh: &Mesh, attributes: &mut Vec<f32>, indices: &mut Vec<u32>) -> Self {
+    pub(crate) fn append(mesh: &Mesh, attributes: &mut Vec<f32>, indices: &mut Vec<u32>) -> Self {
         let first_index = indices.len() as u32;
         indices.extend(mesh.indices.as_flattened());
         let mut list = |floats: &[f32]| {
@@ -107,7 +107,7 @@ impl MeshPlace {
             attributes.extend_from_slice(floats);
             if floats.is_empty() { NONE } else { offset }
         };
-        let place = Self {
+        let offsets = Self {
             first_index,
             vertex_count: mesh.positions.len() as u32,
             positions: list(bytemuck::cast_slice(&mesh.positions)),
@@ -118,14 +118,14 @@ impl MeshPlace {
             uv_set_count: mesh.uv_sets.len() as u32,
         };
         mesh.uv_sets.iter().for_each(|set| attributes.extend_from_slice(bytemuck::cast_slice(set)));
-        place
+        offsets
     }
 }
 
 /// An object, and where its vertex attributes come from.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
-pub(super) struct Object {
+pub(crate) struct Object {
     pub id: u32,
     pub geometry: u32,
     pub material: u32,
@@ -134,14 +134,14 @@ pub(super) struct Object {
     pub look: u32,
     /// Of a deformed mesh: its first entry in the deformed normals, or [`NONE`].
     pub first_deformed_normal: u32,
-    pub mesh: MeshPlace,
+    pub mesh: MeshOffsets,
     /// Rigid: columns of `normal_from_object`, then of `vector_from_object`. Quad: right, up, tile origin, tile size, tint, and nothing.
     /// Scalars, since 100,000 quads move every frame and columns of `vec3f` would take a third more.
     pub axes: [f32; 18],
 }
 
 impl Object {
-    pub(super) fn new(object: &FrameObject, meshes: &[MeshPlace]) -> Self {
+    pub(crate) fn new(object: &FrameObject, meshes: &[MeshOffsets]) -> Self {
         let mut record = Self {
             id: object.id,
             geometry: object.geometry,
@@ -149,7 +149,7 @@ impl Object {
             first_triangle: object.first_triangle,
             look: LOOK_QUAD,
             first_deformed_normal: NONE,
-            mesh: MeshPlace::NOWHERE,
+            mesh: MeshOffsets::NOWHERE,
             axes: [0.0; 18],
         };
         match *object.look() {
@@ -180,7 +180,7 @@ impl Object {
 /// A material's use of a texture.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
-pub(super) struct TextureUse {
+pub(crate) struct TextureUse {
     /// Columns of `texture_from_mesh_uv`.
     pub x_axis: Vec2,
     pub y_axis: Vec2,
@@ -206,7 +206,7 @@ impl TextureUse {
 /// A material, but for what [`Opacity`] holds of it.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
-pub(super) struct Material {
+pub(crate) struct Material {
     pub base_colour: Vec3,
     /// The shading model's number.
     pub model: u32,
@@ -222,7 +222,7 @@ pub(super) struct Material {
 }
 
 impl Material {
-    pub(super) fn new(material: &SceneMaterial) -> Self {
+    pub(crate) fn new(material: &SceneMaterial) -> Self {
         let mut textures = [None; TEXTURE_COUNT];
         textures[TEXTURE_BASE_COLOUR] = material.base_colour_texture;
         textures[TEXTURE_METALLIC_ROUGHNESS] = material.metallic_roughness_texture;
@@ -246,7 +246,7 @@ impl Material {
 /// A texture: where it lies in the atlas and how it is looked up.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
-pub(super) struct Texture {
+pub(crate) struct Texture {
     /// Of its upper left texel in its layer.
     pub origin: [u32; 2],
     /// Width and height, texels.
@@ -262,12 +262,12 @@ pub(super) struct Texture {
 }
 
 impl Texture {
-    pub(super) fn new(texture: &SceneTexture, place: Place) -> Self {
+    pub(crate) fn new(texture: &SceneTexture, region: Region) -> Self {
         Self {
-            origin: place.origin,
+            origin: region.origin,
             size: [texture.image.width(), texture.image.height()],
             wrap: texture.wrap.map(|wrap| wrap as u32),
-            layer: place.layer,
+            layer: region.layer,
             filtering: texture.filter as u32,
             srgb: u32::from(texture.srgb),
             padding: 0,
@@ -278,7 +278,7 @@ impl Texture {
 /// A punctual light at the time of the frame.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
-pub(super) struct Light {
+pub(crate) struct Light {
     pub position: Vec3,
     /// [`LIGHT_DIRECTIONAL`], …
     pub kind: u32,
@@ -293,7 +293,7 @@ pub(super) struct Light {
 }
 
 impl Light {
-    pub(super) fn new(light: &FrameLight) -> Self {
+    pub(crate) fn new(light: &FrameLight) -> Self {
         let (kind, range, cone_rad) = match light.kind {
             LightKind::Directional => (LIGHT_DIRECTIONAL, f32::MAX, [0.0; 2]),
             LightKind::Point { range } => (LIGHT_POINT, range, [0.0; 2]),
@@ -318,7 +318,7 @@ impl Light {
 /// A lobe of the environment.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
-pub(super) struct Lobe {
+pub(crate) struct Lobe {
     pub direction: Vec3,
     pub sharpness: f32,
     pub radiance: Vec3,
@@ -326,7 +326,7 @@ pub(super) struct Lobe {
 }
 
 impl Lobe {
-    pub(super) fn new(lobe: &EnvironmentLobe) -> Self {
+    pub(crate) fn new(lobe: &EnvironmentLobe) -> Self {
         Self { direction: lobe.direction, sharpness: lobe.sharpness, radiance: lobe.radiance, padding: 0 }
     }
 }

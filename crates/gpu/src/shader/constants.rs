@@ -1,8 +1,4 @@
-//! Constants as WGSL text, made from the Rust constants that the CPU uses: no number stands in two places.
-//!
-//! A float is written with as few decimal digits as read back the same bits.
-
-use std::fmt;
+//! The constants of all shaders, made from the Rust constants that the CPU uses: no number stands in two places.
 
 use sheer_core::{
     hash, mask,
@@ -16,83 +12,11 @@ use sheer_render::{
     temporal::taa,
 };
 
-use super::numbers;
+use super::{
+    constant::{Constant, Value},
+    numbers,
+};
 use crate::{scene, tables};
-
-/// A value that WGSL has a literal for.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Value {
-    /// `u32`.
-    U32(u32),
-    /// `i32`.
-    I32(i32),
-    /// `f32`; finite.
-    F32(f32),
-    /// `vec4f`; finite.
-    Vec4F([f32; 4]),
-    /// `vec2u`, the low word first: shaders have no numbers of 64 bits.
-    U64(u64),
-}
-
-impl From<u64> for Value {
-    fn from(value: u64) -> Self {
-        Self::U64(value)
-    }
-}
-
-impl From<u32> for Value {
-    fn from(value: u32) -> Self {
-        Self::U32(value)
-    }
-}
-
-impl From<[f32; 4]> for Value {
-    fn from(values: [f32; 4]) -> Self {
-        Self::Vec4F(values)
-    }
-}
-
-impl From<f32> for Value {
-    fn from(value: f32) -> Self {
-        Self::F32(value)
-    }
-}
-
-/// A constant of a shader.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Constant {
-    name: String,
-    value: Value,
-}
-
-impl Constant {
-    /// A constant; a float has to be finite, WGSL has no other literals.
-    pub(crate) fn new(name: impl Into<String>, value: impl Into<Value>) -> Self {
-        Self { name: name.into(), value: value.into() }
-    }
-}
-
-impl fmt::Display for Constant {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let name = &self.name;
-        match self.value {
-            Value::U32(value) => writeln!(f, "const {name}: u32 = {value}u;"),
-            Value::I32(value) => writeln!(f, "const {name}: i32 = {value}i;"),
-            Value::F32(value) => writeln!(f, "const {name}: f32 = {value:?}f;"),
-            Value::U64(value) => {
-                writeln!(f, "const {name}: vec2u = vec2u({}u, {}u);", value as u32, value >> 32)
-            }
-            Value::Vec4F([x, y, z, w]) => {
-                writeln!(f, "const {name}: vec4f = vec4f({x:?}f, {y:?}f, {z:?}f, {w:?}f);")
-            }
-        }
-    }
-}
-
-/// The constants as text, a line each.
-pub(crate) fn text(constants: &[Constant]) -> String {
-    constants.iter().map(Constant::to_string).collect()
-}
 
 /// Rows `module::{NAME, NAME as OTHER_NAME}`: each constant of a module under its own name, or another one in shaders.
 macro_rules! constants {
@@ -202,6 +126,7 @@ mod tests {
     use sheer_render::method::METHODS;
 
     use super::*;
+    use crate::shader::constant::text;
 
     fn bits(module: &Module, init: Handle<Expression>) -> Vec<u32> {
         match &module.global_expressions[init] {

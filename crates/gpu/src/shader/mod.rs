@@ -14,7 +14,8 @@ use sheer_render::Method;
 
 use crate::error::GpuError;
 
-pub(crate) mod constants;
+pub(crate) mod constant;
+mod constants;
 pub(crate) mod numbers;
 
 /// Name and text of each piece: the files below `shaders/`, as the build script finds them.
@@ -23,7 +24,7 @@ const PIECES: &[(&str, &str)] = include!(concat!(env!("OUT_DIR"), "/pieces.rs"))
 /// Joins pieces to a shader.
 #[derive(Clone, Debug)]
 pub(crate) struct Linker {
-    pieces: BTreeMap<&'static str, &'static str>,
+    pub(crate) pieces: BTreeMap<&'static str, &'static str>,
     aliases: BTreeMap<&'static str, String>,
     constants: String,
 }
@@ -31,11 +32,12 @@ pub(crate) struct Linker {
 impl Linker {
     /// All pieces and the constants that they have in common, no alias.
     pub(crate) fn new() -> Self {
-        Self {
-            pieces: PIECES.iter().copied().collect(),
-            aliases: BTreeMap::new(),
-            constants: constants::text(&constants::all()),
-        }
+        Self::of_pieces(PIECES, constant::text(&constants::all()))
+    }
+
+    /// Pieces by name and text, below constants.
+    pub(crate) fn of_pieces(pieces: &[(&'static str, &'static str)], constants: String) -> Self {
+        Self { pieces: pieces.iter().copied().collect(), aliases: BTreeMap::new(), constants }
     }
 
     /// Lets a name stand for a piece.
@@ -105,8 +107,8 @@ impl Linker {
             let (piece, words) = expansion.trim().split_once(' ').unwrap_or((expansion.trim(), ""));
             self.include(&Inclusion::new(piece, words.trim()), chain, joined)
         } else if trimmed.starts_with('#') {
-            let place = chain.last().map_or("", |link| link.piece.as_str());
-            Err(format!("'{trimmed}' in {place} is neither #import nor #expand"))
+            let including = chain.last().map_or("", |link| link.piece.as_str());
+            Err(format!("'{trimmed}' in {including} is neither #import nor #expand"))
         } else {
             if trimmed.starts_with("enable ") {
                 joined.enables.insert(trimmed.to_owned());
@@ -121,7 +123,7 @@ impl Linker {
 
 /// A method's parameters as constants: see [`constants::of_method`].
 pub(crate) fn method_constants(method: &Method) -> String {
-    constants::text(&constants::of_method(method))
+    constant::text(&constants::of_method(method))
 }
 
 /// What has been joined so far.
@@ -155,6 +157,3 @@ impl Inclusion {
         })
     }
 }
-
-#[cfg(test)]
-mod tests;

@@ -7,13 +7,11 @@ use naga::{
     valid::{Capabilities, ValidationFlags, Validator},
 };
 
-use super::{
-    super::records::{Light, Lobe, Material, MeshPlace, Object, Opacity, Texture, TextureUse},
-    join,
-};
+use super::harness::link;
+use crate::scene::records::{Light, Lobe, Material, MeshOffsets, Object, Opacity, Texture, TextureUse};
 
 fn module(piece: &str) -> Module {
-    let text = join(piece);
+    let text = link(piece);
     let module =
         naga::front::wgsl::parse_str(&text).unwrap_or_else(|error| panic!("{}", error.emit_to_string(&text)));
     Validator::new(ValidationFlags::all(), Capabilities::default())
@@ -47,7 +45,16 @@ fn records_lie_in_memory_as_the_shaders_read_them() {
     let module = &module("shared/shade");
     check_record!(
         module,
-        MeshPlace { first_index, vertex_count, positions, normals, tangents, colours, uv_sets, uv_set_count }
+        MeshOffsets {
+            first_index,
+            vertex_count,
+            positions,
+            normals,
+            tangents,
+            colours,
+            uv_sets,
+            uv_set_count
+        }
     );
     check_record!(
         module,

@@ -5,8 +5,13 @@ use std::ops::Range;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
-use crate::GpuError;
-use crate::bvh::{check_limit, storage_buffer, storage_layout};
+use crate::{
+    error::GpuError,
+    resource::{
+        bind_group::read_only_entry,
+        buffer::{check_limit, grown, storage_buffer},
+    },
+};
 
 /// Custom data of an instance has 24 bits.
 const CUSTOM_DATA_LIMIT: u64 = (1 << 24) - 1;
@@ -19,7 +24,7 @@ const IDENTITY: [f32; 12] = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1
 /// without. `order` in shared/accel_query.wgsl leads back. Triangles that the CPU's tree ignores
 /// ([`sheer_accel::is_kept`]) are left out.
 #[derive(Debug)]
-pub(crate) struct QueryAccel {
+pub(crate) struct DriverAccel {
     top: wgpu::Tlas,
     fixed: Option<Bottom>,
     moving: Option<Bottom>,
@@ -49,8 +54,8 @@ struct Build {
     order: Vec<u32>,
 }
 
-impl QueryAccel {
-    /// A structure over nothing; [`QueryAccel::update`] comes before the first use.
+impl DriverAccel {
+    /// A structure over nothing; [`DriverAccel::update`] comes before the first use.
     ///
     /// # Errors
     /// [`GpuError::Limit`] when the device has too few instances.
@@ -68,7 +73,7 @@ impl QueryAccel {
 
     /// Records the build for a frame. The first `static_count` triangles stay as they were at the last call with that
     /// `static_count`, and are not built again. `positions` holds nine floats a triangle, has the usage
-    /// `BLAS_INPUT`, and is filled before the encoder's commands run. True if [`QueryAccel::entries`] gives another buffer than before.
+    /// `BLAS_INPUT`, and is filled before the encoder's commands run. True if [`DriverAccel::entries`] gives another buffer than before.
     ///
     /// # Errors
     /// [`GpuError::Limit`] when there are too many triangles; nothing is recorded then.
@@ -92,7 +97,8 @@ impl QueryAccel {
         for count in [static_count, triangles.len() - static_count] {
             check_limit("a bottom level's vertices", 3 * count as u64, vertex_limit)?;
         }
-        let order = self.grown_order(device, fixed_len + moving.order.len())?;
+        let order_bytes = 4 * (fixed_len + moving.order.len()) as u64;
+        let order = grown(device, &self.order, "triangle order", order_bytes)?;
         let new_fixed = fixed.as_ref().map(|build| build.room(device, None, FIXED)).transpose()?;
         let new_moving = moving.room(device, self.moving.take(), MOVING)?;
 
@@ -113,12 +119,6 @@ impl QueryAccel {
         queue.write_buffer(&self.order, 4 * fixed_len as u64, bytemuck::cast_slice(&moving.order));
         self.record(queue, encoder, positions, fixed.as_ref(), &moving);
         Ok(replaced)
-    }
-
-    /// A larger buffer for the order if it needs one.
-    fn grown_order(&self, device: &wgpu::Device, len: usize) -> Result<Option<wgpu::Buffer>, GpuError> {
-        let (size, needed) = (self.order.size(), 4 * len as u64);
-        (needed > size).then(|| storage_buffer(device, "triangle order", needed, size / 2 * 3)).transpose()
     }
 
     fn record(
@@ -184,7 +184,7 @@ impl QueryAccel {
         let ty = wgpu::BindingType::AccelerationStructure { vertex_return: false };
         [
             wgpu::BindGroupLayoutEntry { binding: 15, visibility, ty, count: None },
-            storage_layout(16, visibility),
+            read_only_entry(16, visibility),
         ]
     }
 }

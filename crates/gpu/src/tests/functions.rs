@@ -3,8 +3,6 @@
 //! Integers have to be equal bit by bit. Floats may differ where WGSL lets them: a division is within 2.5 ulp (WGSL, section 15.7.4), a product
 //! and a sum may be fused. Sines and logarithms have no bits that two devices share.
 
-use std::sync::OnceLock;
-
 use bytemuck::Zeroable as _;
 use glam::{UVec2, Vec3};
 use sheer_core::{
@@ -17,15 +15,13 @@ use sheer_render::{
     contract::{self, Compositing, Selection, Site, Threshold, Visitor},
 };
 use sheer_scene::{CameraPose, Lens};
-use wgpu::{
-    BindGroupEntry, BindGroupLayout, BindGroupLayoutEntry, BindingType, Buffer, BufferBindingType,
-    BufferUsages, ShaderStages,
-    util::{BufferInitDescriptor, DeviceExt as _},
-};
+use wgpu::{BufferBindingType, BufferUsages};
 
+use super::harness::{self, COMPUTE, is_software};
 use crate::{
     frame::FrameUniform,
-    shader::{Linker, constants::Constant},
+    resource::bind_group::{buffer_entry, read_only_entry, whole},
+    shader::{Linker, constant::Constant},
     tables::Tables,
 };
 
@@ -34,32 +30,6 @@ const COUNT: usize = 1 << 16;
 /// Invocations of a workgroup, as the probes have it.
 const GROUP: u32 = 64;
 
-/// The first adapter's device, with default limits, shared by all probes; and whether the adapter is software.
-fn device() -> &'static (wgpu::Device, wgpu::Queue, bool) {
-    static DEVICE: OnceLock<(wgpu::Device, wgpu::Queue, bool)> = OnceLock::new();
-    DEVICE.get_or_init(|| {
-        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
-        let adapter = pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default()))
-            .expect("tests need an adapter; Debian and Ubuntu: mesa-vulkan-drivers");
-        let (device, queue) =
-            pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor::default())).unwrap();
-        (device, queue, adapter.get_info().device_type == wgpu::DeviceType::Cpu)
-    })
-}
-
-fn storage(binding: u32, read_only: bool) -> BindGroupLayoutEntry {
-    BindGroupLayoutEntry {
-        binding,
-        visibility: ShaderStages::COMPUTE,
-        ty: BindingType::Buffer {
-            ty: BufferBindingType::Storage { read_only },
-            has_dynamic_offset: false,
-            min_binding_size: None,
-        },
-        count: None,
-    }
-}
-
 /// What a probe writes for its inputs: `words_out` for each.
 fn run(shader: &str, tables: &Tables, input: &[u32], words_out: usize) -> Vec<u32> {
     run_in(&FrameUniform::zeroed(), shader, tables, input, words_out)
@@ -67,78 +37,17 @@ fn run(shader: &str, tables: &Tables, input: &[u32], words_out: usize) -> Vec<u3
 
 /// The same where a probe asks for what a frame is rendered with.
 fn run_in(frame: &FrameUniform, shader: &str, tables: &Tables, input: &[u32], words_out: usize) -> Vec<u32> {
-    let (device, queue, _) = device();
-    let buffer = |words: &[u32], usage| {
-        let contents = bytemuck::cast_slice(words);
-        device.create_buffer_init(&BufferInitDescriptor { label: Some("probe"), contents, usage })
-    };
-    let empty = vec![0; COUNT * words_out];
-    let output = buffer(&empty, BufferUsages::STORAGE | BufferUsages::COPY_SRC);
-    let back = buffer(&empty, BufferUsages::COPY_DST | BufferUsages::MAP_READ);
-    let (input, tables) =
-        (buffer(input, BufferUsages::STORAGE), buffer(&tables.words, BufferUsages::STORAGE));
-    let layout = |entries: &[BindGroupLayoutEntry]| {
-        device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some("probe"), entries })
-    };
-    let group = |layout: &BindGroupLayout, buffers: &[(u32, &Buffer)]| {
-        let entries: Vec<_> = buffers
-            .iter()
-            .map(|&(binding, buffer)| BindGroupEntry { binding, resource: buffer.as_entire_binding() })
-            .collect();
-        device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("probe"),
-            layout,
-            entries: &entries,
-        })
-    };
-    let uniform = BindGroupLayoutEntry {
-        ty: BindingType::Buffer {
-            ty: BufferBindingType::Uniform,
-            has_dynamic_offset: false,
-            min_binding_size: None,
-        },
-        ..storage(0, true)
-    };
-    let frame = buffer(bytemuck::cast_slice(bytemuck::bytes_of(frame)), BufferUsages::UNIFORM);
-    let layouts = [layout(&[uniform, storage(14, true)]), layout(&[storage(0, true), storage(1, false)])];
-    let groups =
-        [group(&layouts[0], &[(0, &frame), (14, &tables)]), group(&layouts[1], &[(0, &input), (1, &output)])];
-    let pipeline = pipeline(shader, &layouts);
-    let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-    {
-        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
-        pass.set_pipeline(&pipeline);
-        pass.set_bind_group(0, &groups[0], &[]);
-        pass.set_bind_group(1, &groups[1], &[]);
-        pass.dispatch_workgroups(COUNT as u32 / GROUP, 1, 1);
-    }
-    encoder.copy_buffer_to_buffer(&output, 0, &back, 0, back.size());
-    queue.submit([encoder.finish()]);
-    back.map_async(wgpu::MapMode::Read, .., |result| result.unwrap());
-    device.poll(wgpu::PollType::wait_indefinitely()).unwrap();
-    let bytes = back.get_mapped_range(..).unwrap();
-    bytemuck::cast_slice(&bytes).to_vec()
-}
-
-fn pipeline(shader: &str, layouts: &[BindGroupLayout; 2]) -> wgpu::ComputePipeline {
-    let (device, ..) = device();
-    let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-        label: Some("probe"),
-        source: wgpu::ShaderSource::Wgsl(shader.into()),
-    });
-    let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-        label: Some("probe"),
-        bind_group_layouts: &layouts.each_ref().map(Some),
-        immediate_size: 0,
-    });
-    device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-        label: Some("probe"),
-        layout: Some(&layout),
-        module: &module,
-        entry_point: Some("cs_probe"),
-        compilation_options: wgpu::PipelineCompilationOptions::default(),
-        cache: None,
-    })
+    let uniform = buffer_entry(0, COMPUTE, BufferBindingType::Uniform);
+    let written = buffer_entry(1, COMPUTE, BufferBindingType::Storage { read_only: false });
+    let layouts = [[uniform, read_only_entry(14, COMPUTE)], [read_only_entry(0, COMPUTE), written]];
+    let pipeline = harness::pipeline(shader.to_owned(), &layouts.each_ref().map(|entries| &entries[..]));
+    let frame = harness::buffer(bytemuck::bytes_of(frame), BufferUsages::UNIFORM);
+    let storage = |words: &[u32]| harness::buffer(bytemuck::cast_slice(words), BufferUsages::STORAGE);
+    let (input, tables) = (storage(input), storage(&tables.words));
+    let output = harness::results(4 * COUNT * words_out);
+    let groups = [[whole(0, &frame), whole(14, &tables)], [whole(0, &input), whole(1, &output)]];
+    let groups = groups.each_ref().map(|entries| &entries[..]);
+    bytemuck::pod_collect_to_vec(&harness::run(&pipeline, &groups, COUNT as u32 / GROUP, &output))
 }
 
 /// Random words, the same in each run.
@@ -154,7 +63,7 @@ fn differences<const WIDTH: usize>(one: &[u32], other: &[[u32; WIDTH]]) -> [usiz
     std::array::from_fn(|column| rows().filter(|(row, other)| row[column] != other[column]).count())
 }
 
-/// Places of two positive floats from one another, in the order of all floats.
+/// Units in the last place between two positive floats.
 fn ulps(one: u32, other: u32) -> u32 {
     one.abs_diff(other)
 }
@@ -261,10 +170,10 @@ fn opacities_are_decided_upon_as_on_the_cpu() {
         .into_iter()
         .map(|bits| (unit_from_bits(bits) * 1.2 - 0.1).to_bits())
         .collect();
-    for (place, alpha) in
+    for (index, alpha) in
         [0.0, 1.0, contract::MIN_ALPHA, contract::MIN_ALPHA.next_down()].into_iter().enumerate()
     {
-        input[2 * place] = alpha.to_bits();
+        input[2 * index] = alpha.to_bits();
     }
     for correction in [Correction::NONE, Correction::DLSS, Correction::new([-0.5, 3.0, 0.0, 0.0]).unwrap()] {
         let expected: Vec<[f32; 2]> =
@@ -305,8 +214,8 @@ fn rays_of_the_camera_are_those_of_the_cpu() {
             .as_chunks()
             .0
             .iter()
-            .map(|place: &[u32; 2]| {
-                let ray = pose.ray(place.map(f32::from_bits).into(), UVec2::from(SIZE).as_vec2());
+            .map(|sample: &[u32; 2]| {
+                let ray = pose.ray(sample.map(f32::from_bits).into(), UVec2::from(SIZE).as_vec2());
                 let [ox, oy, oz] = ray.origin.to_array();
                 let [x, y, z] = ray.direction.to_array();
                 [ox, oy, oz, x, y, z].map(f32::to_bits)
@@ -314,7 +223,7 @@ fn rays_of_the_camera_are_those_of_the_cpu() {
             .collect();
         let differ = differences(&rows, &expected);
         println!("{:?}: {differ:?} of {COUNT} differ", pose.lens);
-        if device().2 {
+        if is_software() {
             assert_eq!(differ, [0; 6], "{:?}", pose.lens);
         }
     }
@@ -371,8 +280,8 @@ impl Visitor for ThresholdsAt<'_> {
 fn random_sites() -> Vec<Site<1>> {
     let mut random = Pcg32::new(15, 0);
     let mut sites: Vec<_> = (0..COUNT).map(|_| site(&mut random)).collect();
-    for (place, footprint) in [0.0, f32::MIN_POSITIVE, f32::MAX, f32::INFINITY].into_iter().enumerate() {
-        sites[place].footprint_in_object = [footprint];
+    for (index, footprint) in [0.0, f32::MIN_POSITIVE, f32::MAX, f32::INFINITY].into_iter().enumerate() {
+        sites[index].footprint_in_object = [footprint];
     }
     sites
 }
@@ -483,8 +392,7 @@ fn thresholds_of_sine_hashes_are_uniform() {
         let both = thresholds(text, &sites);
         let (count, _) = deviation(&both);
         println!("{text}: {count} of {COUNT} thresholds differ");
-        let is_software = device().2;
-        assert!(!is_software || count < COUNT * 3 / 4, "{text}: {count} thresholds differ");
+        assert!(!is_software() || count < COUNT * 3 / 4, "{text}: {count} thresholds differ");
         for values in &both {
             let z = uniformity_z(values.iter().map(|bits| f32::from_bits(*bits)));
             assert!(z.abs() < 5.0, "{text}: z {z}");

@@ -1,17 +1,17 @@
 // What the fragments of a pixel tell those that come after them: a few words a pixel, all 0 at first.
 #import shared/frame
 
-const TOLD_WORDS: u32 = 5u;
+const STATS_WORDS: u32 = 5u;
 // Bits of the distance of the furthest fragment, which are ordered as positive numbers are.
-const TOLD_FURTHEST: u32 = 0u;
+const STATS_FURTHEST: u32 = 0u;
 // The triangle at that distance with the largest number.
-const TOLD_TRIANGLE: u32 = 1u;
+const STATS_TRIANGLE: u32 = 1u;
 // Fragments.
-const TOLD_HITS: u32 = 2u;
+const STATS_HITS: u32 = 2u;
 // Fragments that were shaded, and rays of light that took.
-const TOLD_SHADED: u32 = 3u;
-const TOLD_SHADOW_RAYS: u32 = 4u;
+const STATS_SHADED: u32 = 3u;
+const STATS_SHADOW_RAYS: u32 = 4u;
 
-fn told_place(pixel: vec2u) -> u32 {
-    return TOLD_WORDS * (pixel.y * frame.size.x + pixel.x);
+fn stats_index(pixel: vec2u) -> u32 {
+    return STATS_WORDS * (pixel.y * frame.size.x + pixel.x);
 }

@@ -3,8 +3,14 @@
 use glam::{DVec3, Vec3, vec3};
 use sheer_accel::{Bvh, Hit, Ray};
 
-use crate::accel::QueryAccel;
-use crate::bvh::{self, BvhBuffers};
+use wgpu::{BufferBindingType, BufferUsages};
+
+use super::harness::{self, COMPUTE, GPU};
+use crate::{
+    accel::{self, Accel, driver::DriverAccel, tree::TreeAccel},
+    device::Tracer,
+    resource::bind_group::{buffer_entry, read_only_entry, whole},
+};
 
 /// The part of shared/scene.wgsl that the triangle test reads.
 const SCENE: &str = "@group(0) @binding(1) var<storage, read> positions: array<f32>;\n";
@@ -54,208 +60,86 @@ struct Answer {
     differs: u32,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Tracer {
-    Query,
-    Bvh,
+fn source(tracer: Tracer, dropped: u32) -> String {
+    let template = match tracer {
+        Tracer::Query => include_str!("../../shaders/shared/traverse_query.wgsl"),
+        Tracer::Bvh => include_str!("../../shaders/shared/traverse_bvh.wgsl"),
+    };
+    let (enable, accel) = match tracer {
+        Tracer::Query => ("enable wgpu_ray_query;\n", include_str!("../../shaders/shared/accel_query.wgsl")),
+        Tracer::Bvh => ("", include_str!("../../shaders/shared/accel_bvh.wgsl")),
+    };
+    let pieces = [
+        enable,
+        &accel::constants(),
+        &format!("const MISS: u32 = 0xffffffffu;\nconst DROPPED: u32 = {dropped}u;\n"),
+        SCENE,
+        include_str!("../../shaders/shared/hit.wgsl"),
+        include_str!("../../shaders/shared/visit.wgsl"),
+        include_str!("../../shaders/shared/intersect.wgsl"),
+        &accel.replace("enable wgpu_ray_query;\n", ""),
+        &template.replace("VISITOR", "all"),
+        &template.replace("VISITOR", "closest"),
+        PROBE,
+    ];
+    let lines: Vec<&str> =
+        pieces.iter().flat_map(|piece| piece.lines()).filter(|line| !line.starts_with('#')).collect();
+    lines.join("\n")
 }
 
-impl Tracer {
-    fn source(self, dropped: u32) -> String {
-        let template = match self {
-            Self::Query => include_str!("../shaders/shared/traverse_query.wgsl"),
-            Self::Bvh => include_str!("../shaders/shared/traverse_bvh.wgsl"),
-        };
-        let (enable, accel) = match self {
-            Self::Query => ("enable wgpu_ray_query;\n", include_str!("../shaders/shared/accel_query.wgsl")),
-            Self::Bvh => ("", include_str!("../shaders/shared/accel_bvh.wgsl")),
-        };
-        let pieces = [
-            enable,
-            &bvh::constants(),
-            &format!("const MISS: u32 = 0xffffffffu;\nconst DROPPED: u32 = {dropped}u;\n"),
-            SCENE,
-            include_str!("../shaders/shared/hit.wgsl"),
-            include_str!("../shaders/shared/visit.wgsl"),
-            include_str!("../shaders/shared/intersect.wgsl"),
-            &accel.replace("enable wgpu_ray_query;\n", ""),
-            &template.replace("VISITOR", "all"),
-            &template.replace("VISITOR", "closest"),
-            PROBE,
-        ];
-        let lines: Vec<&str> =
-            pieces.iter().flat_map(|piece| piece.lines()).filter(|line| !line.starts_with('#')).collect();
-        lines.join("\n")
-    }
+fn positions(triangles: &[[Vec3; 3]]) -> wgpu::Buffer {
+    harness::buffer(bytemuck::cast_slice(triangles), BufferUsages::STORAGE | BufferUsages::BLAS_INPUT)
 }
 
-struct Device {
-    device: wgpu::Device,
-    queue: wgpu::Queue,
-}
-
-impl Device {
-    fn open() -> Self {
-        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
-        let adapters = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::all()));
-        let adapter = adapters
-            .into_iter()
-            .find(|adapter| adapter.features().contains(wgpu::Features::EXPERIMENTAL_RAY_QUERY))
-            .expect("an adapter with ray query, such as Mesa's lavapipe from 24.1 on");
-        #[expect(unsafe_code, reason = "ray query is experimental in wgpu")]
-        // SAFETY: the tests keep to what wgpu says of ray query, and a failure ends a test process.
-        let experimental_features = unsafe { wgpu::ExperimentalFeatures::enabled() };
-        let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
-            required_features: wgpu::Features::EXPERIMENTAL_RAY_QUERY,
-            required_limits: adapter.limits(),
-            experimental_features,
-            ..Default::default()
-        }))
-        .unwrap();
-        Self { device, queue }
-    }
-
-    fn buffer(&self, bytes: &[u8], usage: wgpu::BufferUsages) -> wgpu::Buffer {
-        let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
-            label: None,
-            size: bytes.len().max(64) as u64,
-            usage: usage | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        });
-        self.queue.write_buffer(&buffer, 0, bytes);
-        buffer
-    }
-
-    fn positions(&self, triangles: &[[Vec3; 3]]) -> wgpu::Buffer {
-        self.buffer(
-            bytemuck::cast_slice(triangles),
-            wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::BLAS_INPUT,
-        )
-    }
-
-    /// Builds the tracer's structure over the triangles and traces.
-    fn trace(&self, tracer: Tracer, triangles: &[[Vec3; 3]], rays: &[Ray], dropped: u32) -> Vec<Answer> {
-        let positions = self.positions(triangles);
-        let static_count = triangles.len() / 3;
-        match tracer {
-            Tracer::Query => {
-                let mut accel = QueryAccel::new(&self.device).unwrap();
-                self.update(&mut accel, &positions, triangles, static_count);
-                self.probe(tracer, &positions, accel.entries(), rays, dropped)
-            }
-            Tracer::Bvh => {
-                let mut bvh = Bvh::build(&triangles[..static_count]);
-                bvh.rebuild_after(static_count, triangles);
-                let buffers = BvhBuffers::new(&self.device, &self.queue, &bvh).unwrap();
-                self.probe(tracer, &positions, buffers.entries(), rays, dropped)
-            }
+/// Builds the tracer's structure over the triangles and traces.
+fn trace(tracer: Tracer, triangles: &[[Vec3; 3]], rays: &[Ray], dropped: u32) -> Vec<Answer> {
+    let positions = positions(triangles);
+    let static_count = triangles.len() / 3;
+    match tracer {
+        Tracer::Query => {
+            let mut accel = DriverAccel::new(&GPU.device()).unwrap();
+            update(&mut accel, &positions, triangles, static_count);
+            probe(tracer, &positions, accel.entries(), rays, dropped)
+        }
+        Tracer::Bvh => {
+            let mut bvh = Bvh::build(&triangles[..static_count]);
+            bvh.rebuild_after(static_count, triangles);
+            let buffers = TreeAccel::new(&GPU.device(), &GPU.queue(), &bvh).unwrap();
+            probe(tracer, &positions, buffers.entries(), rays, dropped)
         }
     }
+}
 
-    fn update(
-        &self,
-        accel: &mut QueryAccel,
-        positions: &wgpu::Buffer,
-        triangles: &[[Vec3; 3]],
-        static_count: usize,
-    ) {
-        let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        accel.update(&self.device, &self.queue, &mut encoder, positions, triangles, static_count).unwrap();
-        self.queue.submit([encoder.finish()]);
-    }
+fn update(accel: &mut DriverAccel, positions: &wgpu::Buffer, triangles: &[[Vec3; 3]], static_count: usize) {
+    let (device, queue) = (GPU.device(), GPU.queue());
+    let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+    accel.update(&device, &queue, &mut encoder, positions, triangles, static_count).unwrap();
+    queue.submit([encoder.finish()]);
+}
 
-    fn probe(
-        &self,
-        tracer: Tracer,
-        positions: &wgpu::Buffer,
-        accel: [wgpu::BindGroupEntry<'_>; 2],
-        rays: &[Ray],
-        dropped: u32,
-    ) -> Vec<Answer> {
-        let device = &self.device;
-        let packed: Vec<[f32; 8]> = rays
-            .iter()
-            .map(|ray| {
-                let ([x, y, z], [dx, dy, dz]) = (ray.origin.to_array(), ray.direction.to_array());
-                [x, y, z, ray.t_min, dx, dy, dz, ray.t_max]
-            })
-            .collect();
-        let packed = self.buffer(bytemuck::cast_slice(&packed), wgpu::BufferUsages::STORAGE);
-        let zeros = vec![0; size_of::<Answer>() * rays.len()];
-        let answers = self.buffer(&zeros, wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC);
-
-        let compute = wgpu::ShaderStages::COMPUTE;
-        let mut writable = bvh::storage_layout(3, compute);
-        writable.ty = wgpu::BindingType::Buffer {
-            ty: wgpu::BufferBindingType::Storage { read_only: false },
-            has_dynamic_offset: false,
-            min_binding_size: None,
-        };
-        let [first, second] = match tracer {
-            Tracer::Query => QueryAccel::layout_entries(compute),
-            Tracer::Bvh => BvhBuffers::layout_entries(compute),
-        };
-        let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-            label: None,
-            entries: &[
-                bvh::storage_layout(1, compute),
-                bvh::storage_layout(2, compute),
-                writable,
-                first,
-                second,
-            ],
-        });
-        let [first, second] = accel;
-        let buffers = [(1, positions), (2, &packed), (3, &answers)];
-        let [positions, packed, written] = buffers
-            .map(|(binding, buffer)| wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() });
-        let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: None,
-            layout: &layout,
-            entries: &[positions, packed, written, first, second],
-        });
-        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some("traversal probe"),
-            source: wgpu::ShaderSource::Wgsl(tracer.source(dropped).into()),
-        });
-        let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-            label: Some("traversal probe"),
-            layout: Some(&device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-                label: None,
-                bind_group_layouts: &[Some(&layout)],
-                immediate_size: 0,
-            })),
-            module: &module,
-            entry_point: Some("cs_probe"),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            cache: None,
-        });
-        let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        {
-            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
-            pass.set_pipeline(&pipeline);
-            pass.set_bind_group(0, &group, &[]);
-            pass.dispatch_workgroups(rays.len() as u32 / 64, 1, 1);
-        }
-        self.read(encoder, &answers)
-    }
-
-    fn read(&self, mut encoder: wgpu::CommandEncoder, answers: &wgpu::Buffer) -> Vec<Answer> {
-        let copy = self.device.create_buffer(&wgpu::BufferDescriptor {
-            label: None,
-            size: answers.size(),
-            usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        });
-        encoder.copy_buffer_to_buffer(answers, 0, &copy, 0, answers.size());
-        let begin = std::time::Instant::now();
-        self.queue.submit([encoder.finish()]);
-        copy.map_async(wgpu::MapMode::Read, .., |result| result.unwrap());
-        self.device.poll(wgpu::PollType::wait_indefinitely()).unwrap();
-        println!("{} rays twice in {:?}", answers.size() / 32, begin.elapsed());
-        let bytes = copy.get_mapped_range(..).unwrap();
-        bytemuck::cast_slice(&bytes).to_vec()
-    }
+fn probe(
+    tracer: Tracer,
+    positions: &wgpu::Buffer,
+    accel: [wgpu::BindGroupEntry<'_>; 2],
+    rays: &[Ray],
+    dropped: u32,
+) -> Vec<Answer> {
+    let packed: Vec<[f32; 8]> = rays
+        .iter()
+        .map(|ray| {
+            let ([x, y, z], [dx, dy, dz]) = (ray.origin.to_array(), ray.direction.to_array());
+            [x, y, z, ray.t_min, dx, dy, dz, ray.t_max]
+        })
+        .collect();
+    let packed = harness::buffer(bytemuck::cast_slice(&packed), BufferUsages::STORAGE);
+    let answers = harness::results(size_of::<Answer>() * rays.len());
+    let [first, second] = Accel::layout_entries(tracer, COMPUTE);
+    let written = buffer_entry(3, COMPUTE, BufferBindingType::Storage { read_only: false });
+    let layout = [read_only_entry(1, COMPUTE), read_only_entry(2, COMPUTE), written, first, second];
+    let pipeline = harness::pipeline(source(tracer, dropped), &[&layout]);
+    let [first, second] = accel;
+    let group = [whole(1, positions), whole(2, &packed), whole(3, &answers), first, second];
+    bytemuck::pod_collect_to_vec(&harness::run(&pipeline, &[&group], rays.len() as u32 / 64, &answers))
 }
 
 /// PCG output permutation over a counter.
@@ -381,7 +265,7 @@ fn scenes() -> Vec<(&'static str, Vec<[Vec3; 3]>)> {
 #[test]
 fn both_traversals_are_valid_wgsl() {
     for tracer in [Tracer::Query, Tracer::Bvh] {
-        let source = tracer.source(u32::MAX);
+        let source = source(tracer, u32::MAX);
         let module = naga::front::wgsl::parse_str(&source).unwrap_or_else(|error| panic!("{error:?}"));
         let mut validator = naga::valid::Validator::new(
             naga::valid::ValidationFlags::all(),
@@ -393,11 +277,10 @@ fn both_traversals_are_valid_wgsl() {
 
 #[test]
 fn our_tree_gives_the_hits_of_the_cpu() {
-    let device = Device::open();
     for (name, triangles) in scenes() {
         let rays = rays(&mut Random(8 << 16), &triangles, 1 << 14, true);
         let expected = on_cpu(&triangles, &rays);
-        let answers = device.trace(Tracer::Bvh, &triangles, &rays, u32::MAX);
+        let answers = trace(Tracer::Bvh, &triangles, &rays, u32::MAX);
         let mut inexact = 0;
         for (index, (answer, expected)) in answers.iter().zip(&expected).enumerate() {
             assert!(
@@ -420,11 +303,10 @@ fn our_tree_gives_the_hits_of_the_cpu() {
 
 #[test]
 fn the_driver_gives_the_hits_of_the_cpu_away_from_edges() {
-    let device = Device::open();
     for (name, triangles) in scenes() {
         let rays = rays(&mut Random(9 << 16), &triangles, 1 << 14, false);
         let expected = on_cpu(&triangles, &rays);
-        let answers = device.trace(Tracer::Query, &triangles, &rays, u32::MAX);
+        let answers = trace(Tracer::Query, &triangles, &rays, u32::MAX);
         let mut different = 0;
         for ((ray, answer), expected) in rays.iter().zip(&answers).zip(&expected) {
             // The numbers are those of `barycentrics`, so all bits are equal.
@@ -441,13 +323,12 @@ fn the_driver_gives_the_hits_of_the_cpu_away_from_edges() {
 
 #[test]
 fn a_lost_triangle_is_noticed() {
-    let device = Device::open();
     let triangles = soup(&mut Random(7 << 16), 2000);
     let rays = rays(&mut Random(8 << 16), &triangles, 1 << 12, false);
     let expected = on_cpu(&triangles, &rays);
     let lost = expected.iter().find_map(|expected| expected.all.first()).unwrap().triangle;
     for tracer in [Tracer::Query, Tracer::Bvh] {
-        let answers = device.trace(tracer, &triangles, &rays, lost);
+        let answers = trace(tracer, &triangles, &rays, lost);
         let differs = |(answer, (ray, expected)): (&Answer, (&Ray, &Expected))| {
             !same_triangles(answer, expected) && !is_near_edge(ray, &triangles)
         };
@@ -458,11 +339,10 @@ fn a_lost_triangle_is_noticed() {
 /// Traces with both structures after each change of one scene, so that what was kept is used.
 #[test]
 fn a_scene_that_moves_grows_and_empties_is_traced_right() {
-    let device = Device::open();
     let mut random = Random(10 << 16);
-    let mut accel = QueryAccel::new(&device.device).unwrap();
+    let mut accel = DriverAccel::new(&GPU.device()).unwrap();
     let mut bvh = Bvh::build(&[]);
-    let mut buffers = BvhBuffers::new(&device.device, &device.queue, &bvh).unwrap();
+    let mut buffers = TreeAccel::new(&GPU.device(), &GPU.queue(), &bvh).unwrap();
     let mut fixed = soup(&mut random, 300);
     // A triangle that no tracer knows.
     fixed[17][1] = fixed[17][0];
@@ -472,12 +352,12 @@ fn a_scene_that_moves_grows_and_empties_is_traced_right() {
         triangles.extend(soup(&mut random, 1000)[1000 - moving_count..].iter().copied());
         let rays = rays(&mut random, &fixed, 512, false);
         let expected = on_cpu(&triangles, &rays);
-        let positions = device.positions(&triangles);
+        let on_device = positions(&triangles);
         bvh.rebuild_after(static_count, &triangles);
-        buffers.update(&device.device, &device.queue, &bvh).unwrap();
-        device.update(&mut accel, &positions, &triangles, static_count);
+        buffers.update(&GPU.device(), &GPU.queue(), &bvh).unwrap();
+        update(&mut accel, &on_device, &triangles, static_count);
         for (tracer, entries) in [(Tracer::Query, accel.entries()), (Tracer::Bvh, buffers.entries())] {
-            let answers = device.probe(tracer, &positions, entries, &rays, u32::MAX);
+            let answers = probe(tracer, &on_device, entries, &rays, u32::MAX);
             for (ray, (answer, expected)) in rays.iter().zip(answers.iter().zip(&expected)) {
                 let is_edge = tracer == Tracer::Query && is_near_edge(ray, &triangles);
                 let case = (tracer, static_count, moving_count);

@@ -4,7 +4,7 @@
 #import shared/resolve_pixel
 
 @compute @workgroup_size(8, 8)
-fn cs_behind(@builtin(global_invocation_id) id: vec3u) {
+fn cs_composite(@builtin(global_invocation_id) id: vec3u) {
     if any(id.xy >= frame.size) {
         return;
     }

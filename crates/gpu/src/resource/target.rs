@@ -2,8 +2,7 @@
 
 use wgpu::{TextureFormat, TextureUsages};
 
-use super::Parts;
-use crate::GpuError;
+use crate::{device::Gpu, error::GpuError};
 
 /// A texture of the picture's size.
 #[derive(Debug)]
@@ -14,24 +13,26 @@ pub(crate) struct Target {
 
 impl Target {
     pub(crate) fn new(
-        parts: &Parts<'_>,
+        gpu: &Gpu,
+        size: [u32; 2],
         label: &str,
         format: TextureFormat,
         usage: TextureUsages,
     ) -> Result<Self, GpuError> {
-        Self::multisampled(parts, label, format, usage, 1)
+        Self::multisampled(gpu, size, label, format, usage, 1)
     }
 
     /// With several samples a pixel.
     pub(crate) fn multisampled(
-        parts: &Parts<'_>,
+        gpu: &Gpu,
+        size: [u32; 2],
         label: &str,
         format: TextureFormat,
         usage: TextureUsages,
         samples: u32,
     ) -> Result<Self, GpuError> {
-        let device = parts.gpu.device();
-        let [width, height] = parts.size;
+        let device = gpu.device();
+        let [width, height] = size;
         let limit = device.limits().max_texture_dimension_2d;
         if width.max(height) > limit {
             return Err(GpuError::Limit {
@@ -51,7 +52,7 @@ impl Target {
             usage,
             view_formats: &[],
         });
-        parts.gpu.check(label)?;
+        gpu.check(label)?;
         let texel = format.block_copy_size(None).map_or(4, u64::from);
         let bytes = texel * u64::from(samples) * u64::from(width) * u64::from(height);
         Ok(Self { view: texture.create_view(&wgpu::TextureViewDescriptor::default()), bytes })

@@ -2,15 +2,16 @@
 
 use bytemuck::Pod;
 
-use crate::GpuError;
+use super::buffer::{buffer, storage_limit};
+use crate::error::GpuError;
 
 /// What every list is used as.
-pub(super) const STORAGE: wgpu::BufferUsages =
+pub(crate) const STORAGE: wgpu::BufferUsages =
     wgpu::BufferUsages::STORAGE.union(wgpu::BufferUsages::COPY_DST);
 
 /// A list on the GPU.
 #[derive(Debug)]
-pub(super) struct Buffer {
+pub(crate) struct ListBuffer {
     label: &'static str,
     usage: wgpu::BufferUsages,
     buffer: wgpu::Buffer,
@@ -18,14 +19,14 @@ pub(super) struct Buffer {
     capacity: usize,
 }
 
-impl Buffer {
+impl ListBuffer {
     /// An empty list of `T`.
-    pub(super) fn new<T: Pod>(device: &wgpu::Device, label: &'static str, usage: wgpu::BufferUsages) -> Self {
-        Self { label, usage, buffer: create(device, label, usage, size_of::<T>() as u64), capacity: 0 }
+    pub(crate) fn new<T: Pod>(device: &wgpu::Device, label: &'static str, usage: wgpu::BufferUsages) -> Self {
+        Self { label, usage, buffer: buffer(device, label, size_of::<T>() as u64, usage), capacity: 0 }
     }
 
     /// A list that never changes.
-    pub(super) fn filled<T: Pod>(
+    pub(crate) fn filled<T: Pod>(
         device: &wgpu::Device,
         queue: &wgpu::Queue,
         label: &'static str,
@@ -37,7 +38,7 @@ impl Buffer {
     }
 
     /// Sends a list of which the first `static_count` elements are there already, unless the buffer has to grow. Returns whether it had to.
-    pub(super) fn send<T: Pod>(
+    pub(crate) fn send<T: Pod>(
         &mut self,
         device: &wgpu::Device,
         queue: &wgpu::Queue,
@@ -48,7 +49,7 @@ impl Buffer {
         if grows {
             self.capacity = capacity::<T>(self.label, static_count, list.len(), &device.limits())?;
             let bytes = (self.capacity * size_of::<T>()) as u64;
-            self.buffer = create(device, self.label, self.usage, bytes);
+            self.buffer = buffer(device, self.label, bytes, self.usage);
         }
         let first = if grows { 0 } else { static_count };
         let offset = (first * size_of::<T>()) as u64;
@@ -56,23 +57,14 @@ impl Buffer {
         Ok(grows)
     }
 
-    pub(super) fn wgpu(&self) -> &wgpu::Buffer {
+    pub(crate) fn wgpu(&self) -> &wgpu::Buffer {
         &self.buffer
     }
 
     /// Bytes that it takes.
-    pub(super) fn bytes(&self) -> u64 {
+    pub(crate) fn bytes(&self) -> u64 {
         self.buffer.size()
     }
-}
-
-fn create(device: &wgpu::Device, label: &str, usage: wgpu::BufferUsages, size: u64) -> wgpu::Buffer {
-    device.create_buffer(&wgpu::BufferDescriptor {
-        label: Some(label),
-        size,
-        usage,
-        mapped_at_creation: false,
-    })
 }
 
 /// How many elements to make room for: half as many again as move, so that a scene that grows slowly is not sent anew every frame.
@@ -82,7 +74,7 @@ fn capacity<T: Pod>(
     count: usize,
     limits: &wgpu::Limits,
 ) -> Result<usize, GpuError> {
-    let limit = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
+    let limit = storage_limit(limits);
     let needed = count as u64 * size_of::<T>() as u64;
     if needed > limit {
         return Err(GpuError::Limit {

@@ -1,21 +1,21 @@
 //! Linking by hand-made pieces, and the project's own ones through naga, which needs no device.
 
-use std::{fs, path::Path};
+use std::{collections::BTreeSet, fs, path::Path};
 
 use sheer_render::{Method, method::Family, method::METHODS};
 
-use super::*;
 use crate::{
     device::{AdapterReport, Tracer},
     pipeline::base_linker,
     raster::{Lists, Plan, stochastic::Sampling},
     ray::Search,
+    shader::Linker,
     shadow::MapSettings,
     tables::Tables,
 };
 
 fn linker(pieces: &[(&'static str, &'static str)]) -> Linker {
-    Linker { pieces: pieces.iter().copied().collect(), aliases: BTreeMap::new(), constants: "C\n".to_owned() }
+    Linker::of_pieces(pieces, "C\n".to_owned())
 }
 
 fn problem(linker: &Linker, piece: &str) -> String {
@@ -164,7 +164,7 @@ fn passes_of(method: &Method, tracer: Tracer) -> Vec<(String, String)> {
     let linker = plain.clone().method(method);
     let Some(search) = Search::of(method) else {
         let plan = Plan::of(method).unwrap();
-        let behind = ("pass/behind".to_owned(), plain.link("pass/behind").unwrap());
+        let behind = ("pass/composite".to_owned(), plain.link("pass/composite").unwrap());
         let own = |plan: Plan| ("pass/front".to_owned(), plan.link(linker.clone()).unwrap());
         return plan.map(own).into_iter().chain([behind]).collect();
     };

@@ -5,8 +5,7 @@ use std::{collections::HashSet, sync::Arc};
 use sheer_image::Image;
 use sheer_scene::model::{Filter, Texture, Wrap};
 
-use super::super::atlas::Atlas;
-use crate::GpuError;
+use crate::{error::GpuError, scene::atlas::Atlas};
 
 fn texture(name: &str, width: u32, height: u32) -> Texture {
     Texture {
@@ -31,11 +30,11 @@ fn covered(atlas: &Atlas, textures: &[Texture]) -> Result<HashSet<[u32; 3]>, [u3
     let mut covered = HashSet::new();
     for &index in &atlas.stored {
         let (width, height) = textures[index].image.size();
-        let place = atlas.places[index];
+        let region = atlas.regions[index];
         for texel in (0..width * height).map(|at| [at % width, at / width]) {
-            let [x, y] = [place.origin[0] + texel[0], place.origin[1] + texel[1]];
-            let at = [x, y, place.layer];
-            if x >= atlas.side || y >= atlas.side || place.layer >= atlas.layers || !covered.insert(at) {
+            let [x, y] = [region.origin[0] + texel[0], region.origin[1] + texel[1]];
+            let at = [x, y, region.layer];
+            if x >= atlas.side || y >= atlas.side || region.layer >= atlas.layers || !covered.insert(at) {
                 return Err(at);
             }
         }
@@ -65,8 +64,8 @@ fn no_two_textures_overlap_and_none_leaves_its_layer() {
 fn an_overlap_would_be_noticed() {
     let textures = many();
     let mut atlas = Atlas::new(&textures, &limits(16384, 2048)).unwrap();
-    let first = atlas.places[atlas.stored[0]];
-    atlas.places[atlas.stored[1]] = first;
+    let first = atlas.regions[atlas.stored[0]];
+    atlas.regions[atlas.stored[1]] = first;
     assert!(covered(&atlas, &textures).is_err());
 }
 
@@ -76,8 +75,8 @@ fn textures_that_share_an_image_are_stored_once() {
     textures[2].image = Arc::clone(&textures[0].image);
     let atlas = Atlas::new(&textures, &limits(16384, 2048)).unwrap();
     assert_eq!(atlas.stored.len(), 2);
-    assert_eq!(atlas.places[2], atlas.places[0]);
-    assert_ne!(atlas.places[1], atlas.places[0]);
+    assert_eq!(atlas.regions[2], atlas.regions[0]);
+    assert_ne!(atlas.regions[1], atlas.regions[0]);
 }
 
 #[test]
