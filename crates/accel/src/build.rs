@@ -10,8 +10,8 @@ use std::ops::Range;
 use glam::{Vec3, Vec3A, Vec4};
 use rayon::prelude::*;
 
+use crate::limits::{COORDINATE_LIMIT, INDEX_LIMIT};
 use crate::node::{Block, Child, Node, WIDTH};
-use crate::traverse::COORDINATE_LIMIT;
 
 /// Candidate planes are the borders of 16 bins an axis; more cost build time and gain little (Wald 2007).
 const BINS: usize = 16;
@@ -33,9 +33,6 @@ const JOINT_HEURISTIC_LEVELS: u32 = 8;
 
 /// Subtrees that each part offers to the joint.
 const JOINT: usize = 96;
-
-/// Triangles from this index on are ignored; an index has to leave room for the tag in [`Ref`].
-pub(crate) const INDEX_LIMIT: usize = 1 << 30;
 
 /// A box as two vectors; their fourth components mean nothing.
 #[derive(Clone, Copy, Debug)]

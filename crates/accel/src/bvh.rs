@@ -6,9 +6,13 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use glam::{Vec3, Vec3A};
 
 use crate::build::{self, Part};
+use crate::error::AccelError;
 use crate::node::{Block, Child, Node};
+use crate::packed::PackedTree;
+use crate::ray::{Hit, Ray};
 use crate::simd::{SimdPath, SupportedPath};
-use crate::{AccelError, Hit, PackedTree, Ray, Stats, validate};
+use crate::tree::Tree;
+use crate::validate::{self, Stats};
 
 /// The last [`PackedTree::kept_id`] given.
 static LAST_KEPT_ID: AtomicU64 = AtomicU64::new(0);
@@ -38,17 +42,6 @@ struct Kept {
     part: Option<Part>,
     /// See [`PackedTree::kept_id`].
     id: u64,
-}
-
-/// What a traversal reads.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Tree<'a> {
-    pub(crate) nodes: &'a [Node],
-    pub(crate) blocks: &'a [Block],
-    /// None without triangles.
-    pub(crate) root: Option<Child>,
-    pub(crate) lower: Vec3A,
-    pub(crate) upper: Vec3A,
 }
 
 impl Bvh {

@@ -2,9 +2,9 @@
 
 use glam::Vec3;
 
+use crate::limits::{COORDINATE_LIMIT, LEAST_SPEED, LEVEL_LIMIT, SPEED_LIMIT};
 use crate::node::{Block, Child, Node, WIDTH};
-use crate::simd::LEVEL_LIMIT;
-use crate::traverse::{COORDINATE_LIMIT, LEAST_SPEED, SPEED_LIMIT, Slabs};
+use crate::traverse::Slabs;
 
 /// A tree as it lies in memory, borrowed from [`crate::Bvh::packed`]. All numbers have the processor's byte order.
 ///

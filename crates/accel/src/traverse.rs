@@ -2,17 +2,12 @@
 
 use glam::Vec3A;
 
-use crate::bvh::Tree;
+use crate::limits::{COORDINATE_LIMIT, LEAST_SPEED, SPEED_LIMIT};
 use crate::node::{Block, Node, WIDTH};
-use crate::simd::{Lanes, Slots, Stack};
-use crate::{Hit, Ray};
-
-/// Largest magnitude of a coordinate: areas, and their sums in the build's heuristic, still are an `f32`.
-pub(crate) const COORDINATE_LIMIT: f32 = 1e12;
-
-/// Largest component of a direction, and the least that its largest may be: inverses and distances stay in the range of `f32`.
-pub(crate) const SPEED_LIMIT: f32 = 1e18;
-pub(crate) const LEAST_SPEED: f32 = 1e-18;
+use crate::ray::{Hit, Ray};
+use crate::simd::lanes::Lanes;
+use crate::simd::stack::{Slots, Stack};
+use crate::tree::Tree;
 
 /// Visits every hit of `ray` whose `t` lies in `[t_min, t_max]` at that time; `visit` returns the new
 /// `t_max`. Sees near boxes first and stops once `t_max < t_min`.

@@ -2,11 +2,11 @@
 
 use glam::Vec3;
 
-use crate::AccelError;
-use crate::build::{INDEX_LIMIT, is_kept};
-use crate::bvh::Tree;
+use crate::build::is_kept;
+use crate::error::AccelError;
+use crate::limits::{INDEX_LIMIT, LEVEL_LIMIT};
 use crate::node::{Block, Child, Node, WIDTH};
-use crate::simd::LEVEL_LIMIT;
+use crate::tree::Tree;
 
 /// Measures of a tree.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -9,7 +9,7 @@ use exr::meta::attribute::{AttributeValue, Text};
 use exr::meta::header::LayerAttributes;
 use exr::prelude::{ReadChannels, ReadLayers, WritableImage};
 
-use crate::output::SOFTWARE;
+use crate::metadata::SOFTWARE;
 use crate::{ImageError, Metadata, Planes, TextureLimits, write_whole};
 
 /// Encodes a frame as one scan line part with the channels `R G B A` (premultiplied linear light), `depth.Z`

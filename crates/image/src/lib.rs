@@ -6,17 +6,21 @@
 mod decode;
 mod error;
 mod exr_file;
+mod metadata;
 mod output;
 mod planes;
 mod png_file;
 mod raster;
 mod tone;
+mod whole_file;
 
 pub use decode::{TextureLimits, decode_texture};
 pub use error::ImageError;
 pub use exr_file::{encode_exr, read_exr, write_exr};
-pub use output::{FileFormat, Metadata, check_writable, write_frame, write_whole};
+pub use metadata::Metadata;
+pub use output::{FileFormat, check_writable, write_frame};
 pub use planes::{Band, Pixel, Planes};
 pub use png_file::{encode_png, read_png, write_png};
 pub use raster::Image;
 pub use tone::{ToneCurve, display, display_over_black, u8_from_unit, unit_from_u8};
+pub use whole_file::write_whole;

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::output::SOFTWARE;
+use crate::metadata::SOFTWARE;
 use crate::{Image, ImageError, Metadata, TextureLimits, ToneCurve, decode_texture, display, write_whole};
 
 /// Encodes sRGB pixels with straight alpha. The sRGB chunk says so; metadata goes to `tEXt` chunks, or `iTXt`

@@ -1,24 +1,23 @@
 //! Eight lanes of `f32` on three paths, and the traversal compiled once for each.
 //!
-//! The arithmetic of a hit is written once, in [`crate::traverse`], over [`Lanes`]; no path fuses a
+//! The arithmetic of a hit is written once, in [`crate::traverse`], over [`lanes::Lanes`]; no path fuses a
 //! multiplication with an addition, so all paths give the same bits.
 #![expect(
     unsafe_code,
     reason = "intrinsics and an uninitialised stack; nothing else in the crate needs them"
 )]
 
+pub(crate) mod lanes;
 mod portable;
-mod stack;
+pub(crate) mod stack;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
 use std::fmt;
 
-use crate::bvh::Tree;
-use crate::node::{Child, WIDTH};
-use crate::{Hit, Ray, traverse};
-
-pub(crate) use stack::{LEVEL_LIMIT, Slots, Stack};
+use crate::ray::{Hit, Ray};
+use crate::traverse;
+use crate::tree::Tree;
 
 /// The instructions a tree is traversed with. Hits are bit-equal on all paths; only the speed differs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -94,36 +93,4 @@ impl SupportedPath {
             _ => traverse::traverse(portable::Portable, tree, ray, visit),
         }
     }
-}
-
-/// Eight lanes of `f32`. Masks have one bit a lane, lane 0 lowest. `min` and `max` return their second
-/// operand when the first is NaN or the two are equal, as the x86 instructions do.
-pub(crate) trait Lanes: Copy {
-    /// Eight numbers.
-    type F: Copy;
-
-    fn load(self, values: &[f32; WIDTH]) -> Self::F;
-    fn splat(self, value: f32) -> Self::F;
-    fn store(self, values: Self::F) -> [f32; WIDTH];
-    fn add(self, a: Self::F, b: Self::F) -> Self::F;
-    fn sub(self, a: Self::F, b: Self::F) -> Self::F;
-    fn mul(self, a: Self::F, b: Self::F) -> Self::F;
-    fn div(self, a: Self::F, b: Self::F) -> Self::F;
-    fn min(self, a: Self::F, b: Self::F) -> Self::F;
-    fn max(self, a: Self::F, b: Self::F) -> Self::F;
-    /// Lanes with `a <= b`.
-    fn le(self, a: Self::F, b: Self::F) -> u32;
-    /// Lanes with `a < b`.
-    fn lt(self, a: Self::F, b: Self::F) -> u32;
-
-    /// Pushes the children named by `hits`, nearest last. `near` is not negative there; it is rounded down
-    /// to the stack's keys (see [`key`]), which keeps culling conservative.
-    fn push(self, stack: &mut Stack<'_>, near: Self::F, hits: u32, children: &[Child; WIDTH]);
-}
-
-/// Sort key of a child: the bits of a non-negative `f32` are ordered like the number, the lowest three
-/// carry the lane, and the complement turns "nearest first" into the order of a stack.
-#[inline(always)]
-fn key(near: f32, lane: usize) -> u32 {
-    !((near.to_bits() & !7) | lane as u32)
 }

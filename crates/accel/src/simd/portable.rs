@@ -2,7 +2,8 @@
 
 use std::array::from_fn;
 
-use super::{Lanes, Stack, key};
+use super::lanes::{Lanes, key};
+use super::stack::Stack;
 use crate::node::{Child, WIDTH};
 
 #[derive(Clone, Copy)]

@@ -2,10 +2,8 @@
 
 use std::mem::MaybeUninit;
 
+use crate::limits::LEVEL_LIMIT;
 use crate::node::{Child, WIDTH};
-
-/// Levels of nodes that a tree may have; the builder keeps below, `validate` checks.
-pub(crate) const LEVEL_LIMIT: u32 = 45;
 
 /// Each level leaves at most seven siblings behind; a push writes eight lanes whatever it keeps.
 const CAPACITY: usize = LEVEL_LIMIT as usize * (WIDTH - 1) + 1 + WIDTH;

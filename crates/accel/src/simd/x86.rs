@@ -12,10 +12,12 @@ use std::arch::x86_64::{
     _mm256_storeu_ps, _mm256_storeu_si256, _mm256_sub_ps, _mm256_xor_si256,
 };
 
-use super::{Lanes, Stack};
-use crate::bvh::Tree;
+use super::lanes::Lanes;
+use super::stack::Stack;
 use crate::node::{Child, WIDTH};
-use crate::{Hit, Ray, traverse};
+use crate::ray::{Hit, Ray};
+use crate::traverse;
+use crate::tree::Tree;
 
 pub(super) fn has_avx512() -> bool {
     has_avx2()

@@ -1,0 +1,16 @@
+//! The tree as a traversal reads it, borrowed from whoever built it.
+
+use glam::Vec3A;
+
+use crate::node::{Block, Child, Node};
+
+/// What a traversal reads.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Tree<'a> {
+    pub(crate) nodes: &'a [Node],
+    pub(crate) blocks: &'a [Block],
+    /// None without triangles.
+    pub(crate) root: Option<Child>,
+    pub(crate) lower: Vec3A,
+    pub(crate) upper: Vec3A,
+}

@@ -1,0 +1,84 @@
+//! Writing files so that an interrupted run leaves either the old file or the new one, never half of one.
+
+use std::io::Write;
+use std::path::Path;
+
+use crate::error::ImageError;
+
+/// Writes any file whole: into a temporary file in the same folder, which then takes the name `path`.
+///
+/// # Errors
+/// [`ImageError::IsFolder`], [`ImageError::MissingFolder`] or [`ImageError::Write`].
+pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), ImageError> {
+    if path.is_dir() {
+        return Err(ImageError::IsFolder { path: path.to_owned() });
+    }
+    let failed = |source| ImageError::Write { path: path.to_owned(), source };
+    let mut file = temporary_beside(path)?;
+    file.write_all(bytes).map_err(failed)?;
+    file.persist(path).map_err(|error| failed(error.error))?;
+    Ok(())
+}
+
+/// An empty file in the folder of `path` that vanishes unless it is persisted.
+pub(crate) fn temporary_beside(path: &Path) -> Result<tempfile::NamedTempFile, ImageError> {
+    let folder = match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    };
+    if !folder.is_dir() {
+        return Err(ImageError::MissingFolder { path: path.to_owned(), folder: folder.to_owned() });
+    }
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".sheer-");
+    // Temporary files are private by default; an output file gets the usual rights, less the user's umask.
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    builder.tempfile_in(folder).map_err(|source| ImageError::Write { path: path.to_owned(), source })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names_in(folder: &Path) -> Vec<String> {
+        let mut names: Vec<_> = std::fs::read_dir(folder)
+            .unwrap()
+            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+            .collect();
+        names.sort();
+        names
+    }
+
+    #[test]
+    fn writing_replaces_the_old_file_and_leaves_no_temporary_one() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.txt");
+        write_whole(&path, b"a much longer first text").unwrap();
+        write_whole(&path, b"second").unwrap();
+        assert_eq!(std::fs::read(&path).unwrap(), b"second");
+        assert_eq!(names_in(folder.path()), ["a.txt"]);
+    }
+
+    #[test]
+    fn a_failed_write_keeps_the_old_file_and_leaves_no_temporary_one() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a");
+        std::fs::create_dir(&path).unwrap();
+        assert!(matches!(write_whole(&path, b"text"), Err(ImageError::IsFolder { .. })));
+        assert_eq!(names_in(folder.path()), ["a"]);
+        assert!(write_whole(&path.join("b/c"), b"text").unwrap_err().to_string().contains("does not exist"));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn written_files_can_be_read_by_others_as_far_as_the_umask_allows() {
+        use std::os::unix::fs::PermissionsExt;
+        let folder = tempfile::tempdir().unwrap();
+        let (ours, plain) = (folder.path().join("ours"), folder.path().join("plain"));
+        write_whole(&ours, b"").unwrap();
+        std::fs::write(&plain, b"").unwrap();
+        let mode = |path: &Path| std::fs::metadata(path).unwrap().permissions().mode();
+        assert_eq!(mode(&ours), mode(&plain));
+    }
+}
