@@ -124,7 +124,7 @@ mod tests {
     use glam::Vec2;
     use sheer_core::hash::Pcg32;
     use sheer_image::{Image, Pixel, Planes};
-    use sheer_render::{Background, Shadow, cpu::FrameSettings, temporal::History as CpuHistory};
+    use sheer_render::{FrameSettings, Settings, temporal::History as CpuHistory};
     use wgpu::util::DeviceExt as _;
 
     use super::*;
@@ -217,14 +217,8 @@ mod tests {
     fn on_processor(antialiasing: Antialiasing, frames: &[Planes], alignment_px: u32) -> Planes {
         let mut history = CpuHistory::new(antialiasing, SIZE).unwrap();
         for (frame, current) in (0..).zip(frames) {
-            let settings = FrameSettings {
-                size: SIZE,
-                frame,
-                seed: SEED,
-                jitter: Vec2::ZERO,
-                background: Background::None,
-                shadow: Shadow::default(),
-            };
+            let run = Settings { size: SIZE, seed: SEED, ..Settings::default() };
+            let settings = FrameSettings { run, frame, jitter: Vec2::ZERO };
             history.add(current.clone(), alignment_px, &settings).unwrap();
         }
         history.planes().clone()

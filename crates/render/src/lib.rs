@@ -19,20 +19,27 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod clock;
 pub mod contract;
+mod cost;
 pub mod cpu;
+mod error;
 pub mod method;
 mod pipeline;
+mod settings;
 pub mod shadow;
 mod stage;
 pub mod temporal;
 
 pub use crate::{
-    cpu::{Background, Counters, StepTime},
+    clock::Clock,
+    cost::{Counters, StepTime, Timings},
+    error::RenderError,
     method::{Method, MethodError},
-    pipeline::{Clock, Moment, Pipeline, RenderError, Settings, Timings},
+    pipeline::Pipeline,
+    settings::{Background, FrameSettings, Settings},
     shadow::Shadow,
-    stage::{LIFT, Stage},
+    stage::{LIFT, Moment, Stage},
     temporal::Antialiasing,
 };
 

@@ -7,7 +7,16 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 use sheer_accel::{Bvh, Ray};
 use sheer_scene::{Animator, CameraChoice, CameraRay, Frame, Scene};
 
-use crate::pipeline::{Moment, RenderError};
+use crate::error::RenderError;
+
+/// A point in time and the one its motion vectors point to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Moment {
+    /// Seconds.
+    pub time_secs: f32,
+    /// Seconds, of the frame before.
+    pub previous_secs: f32,
+}
 
 /// A scene, seen through one of its cameras, at a time: the frame's geometry and the acceleration structure over it. Several pipelines
 /// can render from one stage.

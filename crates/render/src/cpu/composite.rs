@@ -7,66 +7,15 @@ use sheer_core::colour::Premul;
 use sheer_image::Pixel;
 use sheer_scene::CameraRay;
 
-use super::{Counters, Tracer, gather::is_behind, samples::SampleOffsets};
-use crate::contract::{Compositing, Fragment, Gathering, MIN_VISIBILITY, PixelSite};
-
-/// A transparent hit of one of a pixel's sample rays.
-#[derive(Clone, Copy, Debug)]
-struct SampleHit {
-    hit: Hit,
-    alpha: f32,
-    /// Which of the sample rays.
-    ray: u32,
-}
-
-/// A triangle as the pixel sees it: what a [`Fragment`] is made of.
-#[derive(Clone, Copy, Debug)]
-struct Gathered {
-    /// At the sample nearest to the pixel centre, where the fragment is shaded.
-    hit: Hit,
-    alpha: f32,
-    ray: u32,
-    coverage: u64,
-    first_depth: u32,
-}
-
-/// What a pixel needs for the time being; kept from pixel to pixel for its memory.
-#[derive(Debug, Default)]
-pub(super) struct Workspace {
-    rays: Vec<CameraRay>,
-    hits: Vec<SampleHit>,
-    /// Nearest opaque hit, one a ray.
-    opaque: Vec<Option<Hit>>,
-    fragments: Vec<Gathered>,
-    /// One a fragment and ray.
-    depths: Vec<f32>,
-    /// Hits front to back, for ordered gatherings.
-    sorted: Vec<(Hit, f32)>,
-}
-
-/// Where the time of unordered compositing goes, nanoseconds of one thread.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Nanoseconds {
-    /// Finding fragments and what is opaque, for the first pass.
-    pub(super) gather: u64,
-    /// Each pass.
-    pub(super) passes: Vec<u64>,
-    /// Shading the background and putting everything together.
-    pub(super) composite: u64,
-}
-
-impl Nanoseconds {
-    /// The sum of both.
-    pub(super) fn plus(mut self, other: &Self) -> Self {
-        self.gather += other.gather;
-        self.composite += other.composite;
-        self.passes.resize(self.passes.len().max(other.passes.len()), 0);
-        for (sum, pass) in self.passes.iter_mut().zip(&other.passes) {
-            *sum += pass;
-        }
-        self
-    }
-}
+use super::{
+    samples::SampleOffsets,
+    tracer::{Tracer, is_behind},
+    workspace::{Gathered, SampleHit, Workspace},
+};
+use crate::{
+    contract::{Compositing, Fragment, Gathering, MIN_VISIBILITY, PixelSite},
+    cost::Counters,
+};
 
 /// The light of all fragments with their total alpha.
 fn layer<M: Compositing>(method: &M, pixel: &M::Pixel) -> Premul {
@@ -98,7 +47,7 @@ impl Tracer<'_> {
     }
 
     fn pixel_site(&self, at: [u32; 2]) -> PixelSite {
-        let super::FrameSettings { frame, seed, .. } = *self.settings;
+        let (frame, seed) = (self.settings.frame, self.settings.run.seed);
         PixelSite { pixel: at, frame, seed, depth_range: self.depth_range }
     }
 

@@ -4,7 +4,7 @@ use glam::{Vec2, Vec3};
 use sheer_accel::Hit;
 use sheer_scene::CameraRay;
 
-use super::Tracer;
+use super::tracer::Tracer;
 
 impl Tracer<'_> {
     /// The hit in the space of its object, and the longer of the two lengths there between it and where the rays of the pixels to the right
@@ -42,8 +42,8 @@ mod tests {
 
     use super::*;
     use crate::{
-        cpu::{Background, FrameSettings},
-        shadow::{Shadow, Shadows},
+        settings::{Background, FrameSettings, Settings},
+        shadow::Shadows,
         stage::Stage,
     };
 
@@ -62,15 +62,9 @@ mod tests {
         let scene = sheer_scene::open("layers:count=1").unwrap().scene;
         let stage = Stage::new(scene, &CameraChoice::Default, Some(1)).unwrap();
         for jitter in [Vec2::ZERO, Vec2::new(0.3, -0.2)] {
-            let settings = FrameSettings {
-                size: [64, 36],
-                frame: 0,
-                seed: 0,
-                jitter,
-                background: Background::None,
-                shadow: Shadow::default(),
-            };
-            let shadows = Shadows::new(&stage, &settings.shadow, 0, 0).unwrap();
+            let run = Settings { size: [64, 36], background: Background::None, ..Settings::default() };
+            let settings = FrameSettings { run, frame: 0, jitter };
+            let shadows = Shadows::new(&stage, &run.shadow, 0, 0).unwrap();
             let tracer = Tracer::new(&stage, &settings, &shadows, sheer_core::coverage::Correction::NONE);
             let at = |pixel| {
                 let ray = tracer.ray(&tracer.camera_ray(tracer.sample(pixel)));

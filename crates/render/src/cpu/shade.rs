@@ -9,8 +9,11 @@ use sheer_scene::{
     model::{LightKind, ShadingModel},
 };
 
-use super::{Counters, Tracer};
-use crate::shadow::{Receiver, toward};
+use super::tracer::Tracer;
+use crate::{
+    cost::Counters,
+    shadow::{Receiver, toward},
+};
 
 /// Reflectance of common dielectrics at normal incidence, index of refraction 1.5 (glTF 2.0, appendix B.2).
 pub const DIELECTRIC_F0: f32 = 0.04;

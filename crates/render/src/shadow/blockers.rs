@@ -3,7 +3,7 @@
 use glam::Vec3;
 use rayon::prelude::*;
 
-use super::{View, projection::Projection};
+use super::{projection::Projection, technique::View};
 use crate::contract::MIN_ALPHA;
 
 /// A fragment in the light.

@@ -4,10 +4,10 @@ use glam::Vec3;
 use sheer_accel::{Hit, Ray};
 use sheer_core::parameter::Values;
 
-use super::{Map, Receiver, ShadowInfo, Technique, View};
+use super::technique::{Map, Receiver, ShadowInfo, Technique, View};
 use crate::{
     contract::{MIN_ALPHA, MIN_VISIBILITY},
-    cpu::Counters,
+    cost::Counters,
     stage::Stage,
 };
 

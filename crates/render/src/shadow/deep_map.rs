@@ -5,10 +5,11 @@ use glam::Vec3;
 use sheer_core::parameter::{ParameterInfo, ParameterRange, Values};
 
 use super::{
-    Map, Receiver, ShadowInfo, Technique, View, blockers::record, projection::Projection,
-    stochastic_map::RESOLUTION,
+    blockers::record,
+    projection::Projection,
+    technique::{Map, RESOLUTION, Receiver, ShadowInfo, Technique, View},
 };
-use crate::{cpu::Counters, stage::Stage};
+use crate::{cost::Counters, stage::Stage};
 
 /// Its entry in the table.
 pub(super) const INFO: ShadowInfo = ShadowInfo {
@@ -59,7 +60,8 @@ impl Technique for DeepMap {
         let stream = record(view, &projection, |_, blockers, vertices| {
             for channel in 0..view.channels {
                 vertices.push(Vertex { depth: -1.0, visibility: 1.0 });
-                let steps = blockers.transparent.iter().map(|blocker| (blocker.depth, blocker.through[channel]));
+                let steps =
+                    blockers.transparent.iter().map(|blocker| (blocker.depth, blocker.through[channel]));
                 let opaque = Some((blockers.opaque_depth, 0.0)).filter(|(depth, _)| depth.is_finite());
                 compress(steps.chain(opaque), self.tolerance, vertices);
             }
@@ -153,10 +155,15 @@ fn compress(steps: impl Iterator<Item = (f32, f32)>, tolerance: f32, vertices: &
 /// Visibility in front of whatever is at a depth.
 fn evaluate(function: &[Vertex], depth: f32) -> f32 {
     let next = function.partition_point(|vertex| vertex.depth < depth);
-    let before = next.checked_sub(1).map_or(Vertex { depth: 0.0, visibility: 1.0 }, |before| function[before]);
+    let before =
+        next.checked_sub(1).map_or(Vertex { depth: 0.0, visibility: 1.0 }, |before| function[before]);
     let Some(after) = function.get(next) else { return before.visibility };
     let share = (depth - before.depth) / (after.depth - before.depth);
-    if share > 0.0 { before.visibility + share * (after.visibility - before.visibility) } else { before.visibility }
+    if share > 0.0 {
+        before.visibility + share * (after.visibility - before.visibility)
+    } else {
+        before.visibility
+    }
 }
 
 #[derive(Debug)]
@@ -175,7 +182,11 @@ impl Map for Functions {
                 let function = texel * self.channels + channel;
                 evaluate(&self.vertices[self.starts[function]..self.starts[function + 1]], depth)
             };
-            if self.channels == 1 { Vec3::splat(channel(0)) } else { Vec3::from_array([0, 1, 2].map(channel)) }
+            if self.channels == 1 {
+                Vec3::splat(channel(0))
+            } else {
+                Vec3::from_array([0, 1, 2].map(channel))
+            }
         })
     }
 }

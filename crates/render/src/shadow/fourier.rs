@@ -10,10 +10,13 @@ use glam::Vec3;
 use sheer_core::parameter::{ParameterInfo, ParameterRange, Values};
 
 use super::{
-    Map, Receiver, ShadowInfo, Technique, View, blockers::record, deep_map::FILTER,
-    opacity_map::optical_depth, projection::Projection, stochastic_map::RESOLUTION,
+    blockers::record,
+    deep_map::FILTER,
+    opacity_map::optical_depth,
+    projection::Projection,
+    technique::{Map, RESOLUTION, Receiver, ShadowInfo, Technique, View},
 };
-use crate::{cpu::Counters, stage::Stage};
+use crate::{cost::Counters, stage::Stage};
 
 /// Its entry in the table.
 pub(super) const INFO: ShadowInfo = ShadowInfo {
@@ -130,7 +133,8 @@ impl Map for Series {
         let count = self.technique.coefficients();
         self.projection.filter(stage, receiver, FILTER, |texel, depth| {
             let texel = &self.texels[texel * stride..][..stride];
-            let (&[opaque, first, last], series) = texel.split_first_chunk().expect("a texel starts with three depths");
+            let (&[opaque, first, last], series) =
+                texel.split_first_chunk().expect("a texel starts with three depths");
             if depth > opaque {
                 return Vec3::ZERO;
             }
@@ -139,7 +143,11 @@ impl Map for Series {
             }
             let turn = (depth - first) / (last - first);
             let channel = |channel: usize| (-evaluate(&series[channel * count..][..count], turn)).exp();
-            if self.channels == 1 { Vec3::splat(channel(0)) } else { Vec3::from_array([0, 1, 2].map(channel)) }
+            if self.channels == 1 {
+                Vec3::splat(channel(0))
+            } else {
+                Vec3::from_array([0, 1, 2].map(channel))
+            }
         })
     }
 }

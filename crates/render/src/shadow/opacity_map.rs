@@ -8,10 +8,12 @@ use glam::Vec3;
 use sheer_core::parameter::{ParameterInfo, ParameterRange, Values};
 
 use super::{
-    Map, Receiver, ShadowInfo, Technique, View, blockers::record, deep_map::FILTER, projection::Projection,
-    stochastic_map::RESOLUTION,
+    blockers::record,
+    deep_map::FILTER,
+    projection::Projection,
+    technique::{Map, RESOLUTION, Receiver, ShadowInfo, Technique, View},
 };
-use crate::{contract::MIN_VISIBILITY, cpu::Counters, stage::Stage};
+use crate::{contract::MIN_VISIBILITY, cost::Counters, stage::Stage};
 
 /// Its entry in the table.
 pub(super) const INFO: ShadowInfo = ShadowInfo {
@@ -122,14 +124,19 @@ impl Map for Layers {
         let stride = self.technique.stride(self.channels);
         self.projection.filter(stage, receiver, FILTER, |texel, depth| {
             let texel = &self.texels[texel * stride..][..stride];
-            let (&[opaque, first, last], layered) = texel.split_first_chunk().expect("a texel starts with three depths");
+            let (&[opaque, first, last], layered) =
+                texel.split_first_chunk().expect("a texel starts with three depths");
             if depth > opaque {
                 return Vec3::ZERO;
             }
             let channel = |channel: usize| {
                 (-evaluate(&layered[channel * layers..][..layers], [first, last], depth)).exp()
             };
-            if self.channels == 1 { Vec3::splat(channel(0)) } else { Vec3::from_array([0, 1, 2].map(channel)) }
+            if self.channels == 1 {
+                Vec3::splat(channel(0))
+            } else {
+                Vec3::from_array([0, 1, 2].map(channel))
+            }
         })
     }
 }

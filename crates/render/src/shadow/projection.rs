@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use sheer_accel::Ray;
 use sheer_scene::{Frame, FrameLight, model::LightKind};
 
-use super::Receiver;
+use super::technique::Receiver;
 use crate::stage::Stage;
 
 /// Spots that open wider than this from their axis get the six squares of a point: one square would spend its texels on its corners.

@@ -7,20 +7,12 @@ use sheer_core::{
 };
 
 use super::{
-    Map, Receiver, ShadowInfo, Technique, View,
     blockers::{Blockers, record},
     mask::{self, Sampling},
     projection::Projection,
+    technique::{Map, RESOLUTION, Receiver, ShadowInfo, Technique, View},
 };
-use crate::{cpu::Counters, stage::Stage};
-
-/// The key for the size of a map, for all techniques that make one.
-pub(super) const RESOLUTION: ParameterInfo = ParameterInfo {
-    key: "resolution",
-    default: "1024",
-    range: ParameterRange::Count(16, 8192),
-    what: "texels a side of a light's map; half as many for each of the six squares around a point light",
-};
+use crate::{cost::Counters, stage::Stage};
 
 /// Its entry in the table.
 pub(super) const INFO: ShadowInfo = ShadowInfo {
@@ -229,9 +221,9 @@ impl Map for Samples {
     fn transmittance(&self, stage: &Stage, receiver: &Receiver, _: &mut Counters) -> Vec3 {
         let StochasticMap { samples, filter, taps, .. } = self.technique;
         if taps == 0 {
-            return self.projection.filter(stage, receiver, filter, |texel, depth| {
-                self.visibility(texel, depth, None)
-            });
+            return self
+                .projection
+                .filter(stage, receiver, filter, |texel, depth| self.visibility(texel, depth, None));
         }
         let [a, b, c] = receiver.key;
         let [x, y, first, _] = pcg4d([a, b, c, self.key]);

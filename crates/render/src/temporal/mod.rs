@@ -6,7 +6,7 @@ use glam::Vec2;
 use rayon::prelude::*;
 use sheer_image::{Image, ImageError, Planes};
 
-use crate::cpu::FrameSettings;
+use crate::settings::FrameSettings;
 
 mod align;
 pub mod taa;
@@ -127,7 +127,7 @@ impl History {
                 Antialiasing::Accumulate => add_to_mean(&self.planes.colour, &mut current.colour, self.count),
                 Antialiasing::Taa => {
                     let alignment =
-                        align::Alignment { alignment_px, frame: settings.frame, seed: settings.seed };
+                        align::Alignment { alignment_px, frame: settings.frame, seed: settings.run.seed };
                     current.colour = taa::resolve(&current, &self.planes.colour, self.count, alignment)?;
                 }
             }
@@ -166,14 +166,8 @@ mod tests {
 
     #[test]
     fn accumulation_is_the_plain_mean() {
-        let settings = FrameSettings {
-            size: [1, 1],
-            frame: 0,
-            seed: 0,
-            jitter: Vec2::ZERO,
-            background: crate::cpu::Background::None,
-            shadow: crate::Shadow::default(),
-        };
+        let run = crate::Settings { size: [1, 1], ..Default::default() };
+        let settings = FrameSettings { run, frame: 0, jitter: Vec2::ZERO };
         let mut history = History::new(Antialiasing::Accumulate, [1, 1]).unwrap();
         for value in [1.0, 2.0, 6.0] {
             let mut planes = Planes::new(1, 1).unwrap();

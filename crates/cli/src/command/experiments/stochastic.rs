@@ -2,8 +2,8 @@
 
 use sheer_metrics::{rms, statistics::quantile};
 use sheer_render::{
-    Antialiasing, Background, Method,
-    cpu::{FrameSettings, Rendered, render},
+    Antialiasing, FrameSettings, Method, Settings,
+    cpu::{Rendered, render},
     shadow::{Sampling, Shadow, visibility::Blockers},
 };
 
@@ -167,14 +167,8 @@ fn still(
     size: [u32; 2],
     frame: u32,
 ) -> anyhow::Result<Rendered> {
-    let settings = FrameSettings {
-        size,
-        frame,
-        seed: lab.seed,
-        jitter: glam::Vec2::ZERO,
-        background: Background::Environment,
-        shadow: shadow.parse::<Shadow>()?,
-    };
+    let run = Settings { size, seed: lab.seed, shadow: shadow.parse::<Shadow>()?, ..Settings::default() };
+    let settings = FrameSettings { run, frame, jitter: glam::Vec2::ZERO };
     lab.progress.inc(1);
     Ok(render(&opened.stage, &method.parse::<Method>()?, &settings)?)
 }

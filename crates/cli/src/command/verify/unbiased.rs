@@ -14,9 +14,9 @@ use sheer_core::colour::luminance;
 use sheer_image::{Image, Planes};
 use sheer_metrics::statistics::{Moments, sidak_family, two_sided_z, z_score};
 use sheer_render::{
-    Antialiasing, Background, Clock, Settings, Stage,
+    Antialiasing, Background, Clock, FrameSettings, Settings, Stage,
     contract::{Compositing, Fragment, Gathering, Memory, PixelSite},
-    cpu::{FrameSettings, render_compositing},
+    cpu::render_compositing,
     temporal::jitter,
 };
 
@@ -156,9 +156,8 @@ fn draws(stage: &mut Stage) -> anyhow::Result<Image<Drawn>> {
     let mut drawn = Image::filled(SIZE[0], SIZE[1], Drawn::default())?;
     for frame in 0..FRAMES {
         stage.advance(clock.at(frame));
-        let Settings { size, seed, background, shadow, .. } = settings;
         let jitter = jitter(Antialiasing::Accumulate, frame);
-        let frame_settings = FrameSettings { size, frame, seed, jitter, background, shadow };
+        let frame_settings = FrameSettings { run: settings, frame, jitter };
         let sums = render_compositing(stage, &MomentsOfDraws, &frame_settings)?.planes.colour;
         let frames = f64::from(FRAMES);
         for (pixel, sums) in drawn.as_mut_slice().iter_mut().zip(sums.as_slice()) {

@@ -14,7 +14,7 @@ use sheer_core::{
 
 use self::{
     masks::Masks,
-    pixel::{Pixel, covered},
+    pixel::{Pixel, Sums, covered},
 };
 use crate::contract::{
     Compositing, Fragment, Gathering, LayerFilter, Memory, MethodInfo, PixelSite, Placement, RETRACE_PARAMETER,
@@ -208,21 +208,6 @@ impl Stochastic {
             Estimator::Basic => pixel.winners(self.samples.count),
             Estimator::Depth => pixel.accumulated,
         }
-    }
-}
-
-/// Of colours, and of the same with all colours 1 (ST section 4: F(B) and F(B₁), F(U) and F(U₁), times the number of samples).
-#[derive(Clone, Copy, Debug, Default)]
-struct Sums {
-    rgb: Vec3,
-    ones: f32,
-}
-
-impl std::ops::Add for Sums {
-    type Output = Self;
-
-    fn add(self, other: Self) -> Self {
-        Self { rgb: self.rgb + other.rgb, ones: self.ones + other.ones }
     }
 }
 

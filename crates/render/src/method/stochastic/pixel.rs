@@ -3,12 +3,26 @@
 use glam::Vec3;
 use sheer_core::mask::MOST_SAMPLES;
 
-use super::Sums;
 use crate::contract::{Fragment, PixelSite};
 
 const MOST: usize = MOST_SAMPLES as usize;
 /// Behind every fragment.
 const NOTHING: (f32, u32) = (f32::INFINITY, u32::MAX);
+
+/// Of colours, and of the same with all colours 1 (ST section 4: F(B) and F(B₁), F(U) and F(U₁), times the number of samples).
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Sums {
+    pub(super) rgb: Vec3,
+    pub(super) ones: f32,
+}
+
+impl std::ops::Add for Sums {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self { rgb: self.rgb + other.rgb, ones: self.ones + other.ones }
+    }
+}
 
 /// The samples of a pixel; those beyond the method's count are not used.
 #[derive(Clone, Debug)]

@@ -6,19 +6,20 @@ use sheer_core::{colour::Premul, coverage::Correction};
 use sheer_image::Pixel;
 use sheer_scene::CameraRay;
 
-use super::{Counters, Layer, Tracer};
-use crate::contract::{Hybrid, MIN_VISIBILITY, Site, Tables, Threshold, keeps};
+use super::{
+    tracer::{Tracer, is_behind},
+    workspace::Layer,
+};
+use crate::{
+    contract::{Hybrid, MIN_VISIBILITY, Site, Tables, Threshold, keeps},
+    cost::Counters,
+};
 
 /// What a stochastic ray found.
 pub(super) struct Found {
     hit: Option<Hit>,
     /// Whether the ray met something that is neither opaque nor nothing on its way.
     transparent: bool,
-}
-
-/// Whether a hit lies behind another in the order of all hits: by depth, then triangle.
-pub(super) fn is_behind(hit: &Hit, other: &Hit) -> bool {
-    (hit.t, hit.triangle) > (other.t, other.triangle)
 }
 
 impl Tracer<'_> {
@@ -185,7 +186,7 @@ impl Tracer<'_> {
         Site {
             pixel: at.map(|coordinate| [coordinate]),
             frame: self.settings.frame,
-            seed: self.settings.seed,
+            seed: self.settings.run.seed,
             instance: [object.id],
             geometry: [object.geometry],
             primitive: [hit.triangle - object.first_triangle],

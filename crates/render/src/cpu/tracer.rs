@@ -1,0 +1,158 @@
+//! What all families do alike for a pixel: rays through it, opacity of what they hit, the pixel that is written.
+
+use glam::{Vec2, Vec3};
+use sheer_accel::{Hit, Ray};
+use sheer_core::{colour::Premul, coverage::Correction};
+use sheer_image::Pixel;
+use sheer_scene::{CameraPose, CameraRay, FaceSide};
+
+use super::workspace::{Byproducts, Layer, Workspace};
+use crate::{
+    contract::MIN_ALPHA,
+    settings::{Background, FrameSettings},
+    shadow::Shadows,
+    stage::Stage,
+};
+
+/// Traces pixels of a frame. One a task; holds what a pixel needs for the time being.
+pub(super) struct Tracer<'a> {
+    pub(super) stage: &'a Stage,
+    pub(super) settings: &'a FrameSettings,
+    pub(super) shadows: &'a Shadows,
+    /// Column and row of the pixel that is being traced.
+    pub(super) pixel_at: [u32; 2],
+    /// Of what is held against a threshold.
+    pub(super) correction: Correction,
+    /// See [`crate::contract::PixelSite::depth_range`].
+    pub(super) depth_range: [f32; 2],
+    pub(super) workspace: Workspace,
+    pub(super) byproducts: Byproducts,
+    pub(super) layers: Vec<Layer>,
+}
+
+impl<'a> Tracer<'a> {
+    pub(super) fn new(
+        stage: &'a Stage,
+        settings: &'a FrameSettings,
+        shadows: &'a Shadows,
+        correction: Correction,
+    ) -> Self {
+        Self {
+            stage,
+            settings,
+            shadows,
+            pixel_at: [0; 2],
+            correction,
+            depth_range: depth_range(stage.bvh().bounds(), stage.frame().camera()),
+            workspace: Workspace::default(),
+            byproducts: Byproducts::default(),
+            layers: Vec::new(),
+        }
+    }
+
+    pub(super) fn size(&self) -> Vec2 {
+        let [width, height] = self.settings.run.size;
+        Vec2::new(width as f32, height as f32)
+    }
+
+    /// The centre of a pixel, in pixels.
+    pub(super) fn centre(&self, [x, y]: [u32; 2]) -> Vec2 {
+        Vec2::new(x as f32 + 0.5, y as f32 + 0.5)
+    }
+
+    /// Where the one sample of a pixel lies, in pixels.
+    pub(super) fn sample(&self, at: [u32; 2]) -> Vec2 {
+        self.centre(at) + self.settings.jitter
+    }
+
+    pub(super) fn camera_ray(&self, sample: Vec2) -> CameraRay {
+        self.stage.frame().camera().ray(sample, self.size())
+    }
+
+    /// What a camera ray that meets nothing sees.
+    pub(super) fn background(&self, ray: &CameraRay) -> Premul {
+        let scene = self.stage.frame().scene().parts();
+        match self.settings.run.background {
+            Background::Environment => {
+                let rgb = scene.environment.radiance(ray.direction, 0.0) * scene.exposure;
+                Premul { rgb, alpha: 1.0 }
+            }
+            Background::Colour(rgb) => Premul { rgb, alpha: 1.0 },
+            Background::None => Premul::CLEAR,
+        }
+    }
+
+    /// A pixel that shows `colour` and has the depth, motion and ids of a hit, or of the far distance without one.
+    pub(super) fn pixel(
+        &self,
+        colour: Premul,
+        sample: Vec2,
+        ray: &CameraRay,
+        hit: Option<&Hit>,
+        transparent: bool,
+    ) -> Pixel {
+        let frame = self.stage.frame();
+        let Some(hit) = hit else {
+            let before = frame.previous_camera().project_direction(ray.direction, self.size());
+            let motion = before.map_or(Vec2::ZERO, |before| before - sample).to_array();
+            return Pixel { colour: colour.to_array(), motion, transparent, ..Pixel::EMPTY };
+        };
+        let [position, previous_position] = frame.positions(hit.triangle, hit.u, hit.v);
+        // From projected to projected, not from the sample: so a still surface has a motion of exactly zero.
+        let now = frame.camera().project(position, self.size());
+        let before = frame.previous_camera().project(previous_position, self.size());
+        let motion = now.zip(before).map_or(Vec2::ZERO, |(now, before)| before - now).to_array();
+        Pixel {
+            colour: colour.to_array(),
+            depth: frame.camera().view_depth(position),
+            motion,
+            instance: frame.object(hit.triangle).id,
+            primitive: frame.primitive(hit.triangle),
+            transparent,
+        }
+    }
+
+    pub(super) fn ray(&self, ray: &CameraRay) -> Ray {
+        Ray { origin: ray.origin, direction: ray.direction, t_min: 0.0, t_max: f32::INFINITY }
+    }
+
+    /// The ray from a hit on, inclusively: there may be a second one at its depth.
+    pub(super) fn ray_from(&self, ray: &CameraRay, after: Option<Hit>) -> Ray {
+        let ray = self.ray(ray);
+        Ray { t_min: after.map_or(ray.t_min, |hit| hit.t), ..ray }
+    }
+
+    /// Whether the side of the surface is seen that its vertices go around clockwise.
+    pub(super) fn is_back(&self, hit: &Hit) -> bool {
+        self.stage.frame().side(hit.triangle, hit.front) == FaceSide::Back
+    }
+
+    /// Opacity of a hit for the camera; 0 where it is less than anyone would see.
+    pub(super) fn alpha(&self, hit: &Hit) -> f32 {
+        let alpha = self.stage.frame().opacity_for_camera(hit.triangle, hit.u, hit.v, hit.front);
+        if alpha >= MIN_ALPHA { alpha } else { 0.0 }
+    }
+}
+
+/// Whether a hit lies behind another in the order of all hits: by depth, then triangle.
+pub(super) fn is_behind(hit: &Hit, other: &Hit) -> bool {
+    (hit.t, hit.triangle) > (other.t, other.triangle)
+}
+
+/// A camera inside the scene sees things as near as you like; depths are told apart from this share of the furthest one on.
+const NEAREST_SHARE: f32 = 1e-3;
+
+/// The depths between which all surfaces lie, along the view axis, from the lowest and highest corner of all triangles; both above 0.
+#[must_use]
+pub fn depth_range(bounds: Option<[Vec3; 2]>, camera: &CameraPose) -> [f32; 2] {
+    let Some([low, high]) = bounds else { return [1.0, 2.0] };
+    let corner = |index: u32| {
+        let bit = |axis: u32| index >> axis & 1 != 0;
+        camera.view_depth(Vec3::select(glam::BVec3::new(bit(0), bit(1), bit(2)), high, low))
+    };
+    let (near, far) = (0..8)
+        .map(corner)
+        .fold((f32::INFINITY, f32::NEG_INFINITY), |(near, far), depth| (near.min(depth), far.max(depth)));
+    let far = far.max(f32::MIN_POSITIVE / NEAREST_SHARE);
+    [near.max(NEAREST_SHARE * far), far]
+}
