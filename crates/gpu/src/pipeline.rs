@@ -4,7 +4,9 @@ use std::{sync::Arc, time::Instant};
 
 use sheer_image::Planes;
 use sheer_render::{
-    Antialiasing, Clock, Counters, Method, Settings, StepTime, Timings, contract::Hybrid, method::stbn,
+    Antialiasing, Clock, Counters, Method, Settings, StepTime, Timings,
+    contract::{Alignment, Hybrid},
+    method::stbn,
     temporal::jitter,
 };
 use wgpu::{BufferUsages, util::DeviceExt};
@@ -239,7 +241,7 @@ impl GpuPipeline {
         let hybrid = Search::of(&self.method).map_or(Hybrid::NONE, |search| search.hybrid);
         let jitter = jitter(self.antialiasing, frame);
         let parameters = FrameParameters { size, jitter, index: frame, seed, background, hybrid };
-        self.resources.submit(&self.gpu, stage, &parameters, self.method.alignment_px())
+        self.resources.submit(&self.gpu, stage, &parameters, self.method.alignment())
     }
 
     /// The picture so far, read back: colour accumulated, everything else of the last frame.
@@ -350,7 +352,7 @@ impl Resources {
         gpu: &Gpu,
         stage: &GpuStage,
         parameters: &FrameParameters,
-        alignment_px: u32,
+        alignment: Alignment,
     ) -> Result<u64, GpuError> {
         let (device, queue) = (gpu.device(), gpu.queue());
         let uniform = FrameUniform::new(stage.frame(), stage.extent(), parameters);
@@ -393,7 +395,8 @@ impl Resources {
             &mut encoder,
             &mut self.timer,
             &self.pixels,
-            [alignment_px, parameters.index, parameters.seed],
+            alignment,
+            [parameters.index, parameters.seed],
         );
         encoder.copy_buffer_to_buffer(&self.counters, 0, &self.counters_read, 0, COUNTER_BYTES);
         self.timer.resolve(&mut encoder);

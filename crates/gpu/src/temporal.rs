@@ -1,7 +1,7 @@
 //! Adding frames up over time, on the device: twin of [`sheer_render::temporal`]. The history never leaves it until it is read back.
 
 use bytemuck::{Pod, Zeroable};
-use sheer_render::Antialiasing;
+use sheer_render::{Antialiasing, contract::Alignment};
 use wgpu::{BufferBindingType, BufferUsages, ShaderStages};
 
 use crate::{
@@ -29,7 +29,8 @@ struct Uniform {
     alignment_px: u32,
     frame: u32,
     seed: u32,
-    padding: [u32; 2],
+    alignment_rule: u32,
+    padding: u32,
 }
 
 /// What has been added up. Two buffers take turns: the history that is read and the one that is written.
@@ -80,7 +81,7 @@ impl History {
     }
 
     /// Records that the next frame is taken in. One frame a submission: its settings are written before it begins.
-    /// `alignment_px` as in [`sheer_render::contract::MethodInfo::alignment_px`], then frame index and seed of the dithering.
+    /// `alignment` as in [`sheer_render::Method::alignment`], then frame index and seed of the dithering.
     pub(crate) fn record(
         &mut self,
         device: &wgpu::Device,
@@ -88,10 +89,14 @@ impl History {
         encoder: &mut wgpu::CommandEncoder,
         timer: &mut Timer,
         pixels: &wgpu::Buffer,
-        [alignment_px, frame, seed]: [u32; 3],
+        alignment: Alignment,
+        [frame, seed]: [u32; 2],
     ) {
         let count = if self.antialiasing == Antialiasing::None { 0 } else { self.count };
-        let uniform = Uniform { size: self.size, count, alignment_px, frame, seed, padding: [0; 2] };
+        let Alignment { side_px: alignment_px, rule } = alignment;
+        let alignment_rule = rule as u32;
+        let uniform =
+            Uniform { size: self.size, count, alignment_px, frame, seed, alignment_rule, padding: 0 };
         queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&uniform));
         let [old, new] = if self.count.is_multiple_of(2) { [1, 0] } else { [0, 1] };
         let entries = [
@@ -124,7 +129,7 @@ mod tests {
     use glam::Vec2;
     use sheer_core::hash::Pcg32;
     use sheer_image::{Image, Pixel, Planes};
-    use sheer_render::{FrameSettings, Settings, temporal::History as CpuHistory};
+    use sheer_render::{FrameSettings, Settings, contract::AlignmentRule, temporal::History as CpuHistory};
     use wgpu::util::DeviceExt as _;
 
     use super::*;
@@ -193,7 +198,8 @@ mod tests {
         gpu: &Gpu,
         antialiasing: Antialiasing,
         frames: &[Planes],
-        [alignment_px, seed]: [u32; 2],
+        alignment: Alignment,
+        seed: u32,
     ) -> Planes {
         let (device, queue) = (gpu.device(), gpu.queue());
         let mut history = History::new(gpu, antialiasing, SIZE).unwrap();
@@ -206,7 +212,7 @@ mod tests {
                 usage: BufferUsages::STORAGE | BufferUsages::COPY_SRC,
             });
             let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-            history.record(&device, &queue, &mut encoder, &mut timer, &pixels, [alignment_px, frame, seed]);
+            history.record(&device, &queue, &mut encoder, &mut timer, &pixels, alignment, [frame, seed]);
             queue.submit([encoder.finish()]);
             gpu.check("adding up").unwrap();
             planes = Some(read_planes(gpu, &pixels, history.colour(), SIZE).unwrap());
@@ -214,12 +220,12 @@ mod tests {
         planes.unwrap()
     }
 
-    fn on_processor(antialiasing: Antialiasing, frames: &[Planes], alignment_px: u32) -> Planes {
+    fn on_processor(antialiasing: Antialiasing, frames: &[Planes], alignment: Alignment) -> Planes {
         let mut history = CpuHistory::new(antialiasing, SIZE).unwrap();
         for (frame, current) in (0..).zip(frames) {
             let run = Settings { size: SIZE, seed: SEED, ..Settings::default() };
             let settings = FrameSettings { run, frame, jitter: Vec2::ZERO };
-            history.add(current.clone(), alignment_px, &settings).unwrap();
+            history.add(current.clone(), alignment, &settings).unwrap();
         }
         history.planes().clone()
     }
@@ -239,12 +245,13 @@ mod tests {
         let gpu = Gpu::new(&AdapterChoice::Best).unwrap();
         let frames = frames();
         for antialiasing in Antialiasing::ALL {
-            for alignment_px in [1, 3] {
+            for rule in AlignmentRule::ALL {
+                let alignment = Alignment { side_px: 3, rule };
                 for count in [1, 2, 12] {
-                    let device = on_device(&gpu, antialiasing, &frames[..count], [alignment_px, SEED]);
-                    let processor = on_processor(antialiasing, &frames[..count], alignment_px);
+                    let device = on_device(&gpu, antialiasing, &frames[..count], alignment, SEED);
+                    let processor = on_processor(antialiasing, &frames[..count], alignment);
                     let difference = largest_difference(&device, &processor);
-                    let what = format!("{antialiasing}, aligned to {alignment_px}, {count} frames");
+                    let what = format!("{antialiasing}, {rule:?}, {count} frames");
                     assert!(difference <= ROUNDING, "{what}: {difference}");
                     assert_eq!(Planes { colour: processor.colour.clone(), ..device }, processor, "{what}");
                 }
@@ -253,13 +260,19 @@ mod tests {
     }
 
     #[test]
-    fn the_comparison_finds_another_seed_and_motion_that_is_not_aligned() {
+    fn the_comparison_finds_another_seed_and_another_rule() {
         let gpu = Gpu::new(&AdapterChoice::Best).unwrap();
         let frames = frames();
-        let processor = on_processor(Antialiasing::Taa, &frames, 3);
-        for wrong in [[3, SEED + 1], [1, SEED]] {
-            let device = on_device(&gpu, Antialiasing::Taa, &frames, wrong);
-            assert!(largest_difference(&device, &processor) > 100.0 * ROUNDING, "{wrong:?}");
+        for rule in AlignmentRule::ALL {
+            let processor = on_processor(Antialiasing::Taa, &frames, Alignment { side_px: 3, rule });
+            let others = AlignmentRule::ALL.into_iter().filter(|other| *other != rule);
+            let reseeded = (rule == AlignmentRule::Random).then_some((rule, SEED + 1));
+            for (wrong, seed) in others.map(|other| (other, SEED)).chain(reseeded) {
+                let alignment = Alignment { side_px: 3, rule: wrong };
+                let device = on_device(&gpu, Antialiasing::Taa, &frames, alignment, seed);
+                let difference = largest_difference(&device, &processor);
+                assert!(difference > 100.0 * ROUNDING, "{rule:?} against {wrong:?}: {difference}");
+            }
         }
     }
 }

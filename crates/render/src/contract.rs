@@ -184,10 +184,69 @@ pub(crate) const CORRECTION_PARAMETER: ParameterInfo = ParameterInfo {
 /// The key for the alignment of motion vectors (STD section 3.3.1), which every method takes whose pattern is fixed to the screen.
 pub(crate) const ALIGNMENT_PARAMETER: ParameterInfo = ParameterInfo {
     key: "align",
-    default: "on",
-    range: ParameterRange::Choice(&["on", "off"]),
-    what: "under taa: align motion vectors to the dithering pattern; off shows what it prevents",
+    default: AlignmentRule::Random.word(),
+    range: ParameterRange::Choice(&AlignmentRule::WORDS),
+    what: "under taa: align motion vectors to the dithering pattern, at random as in the paper; off shows what that prevents; \
+           round: to the nearest place; dead: as in the authors' code, where the least motion counts as none and history is \
+           clipped to a box",
 };
+
+/// To which of the multiples of a pattern's side a motion vector goes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AlignmentRule {
+    /// One of the four nearest, drawn by bilinear weight, so that the mean motion stays what it is (STD
+    /// Listing 5).
+    Random,
+    /// None of them: the vector stays as it is.
+    Off,
+    /// The nearest, which lags behind slow motion (STD section 3.3.1 says so and does not do it).
+    Nearest,
+    /// As [`Self::Random`] after a component shorter than [`Self::DEAD_ZONE`] of the picture's side has
+    /// become 0; and what rectifies the history clips it to a box, not to an ellipsoid. So does the authors'
+    /// own code (Falcor's `TAA` pass and their `DitherVBuffer2`).
+    DeadZone,
+}
+
+impl AlignmentRule {
+    /// All, in the order in which they are listed.
+    pub const ALL: [Self; 4] = [Self::Random, Self::Off, Self::Nearest, Self::DeadZone];
+    /// Share of the picture's width, or height, below which a component of the motion counts as none, with
+    /// [`Self::DeadZone`].
+    pub const DEAD_ZONE: f32 = 1e-4;
+    const WORDS: [&str; Self::ALL.len()] =
+        [Self::ALL[0].word(), Self::ALL[1].word(), Self::ALL[2].word(), Self::ALL[3].word()];
+
+    /// The word on the command line.
+    #[must_use]
+    pub const fn word(self) -> &'static str {
+        match self {
+            Self::Random => "on",
+            Self::Off => "off",
+            Self::Nearest => "round",
+            Self::DeadZone => "dead",
+        }
+    }
+
+    pub(crate) fn new(values: &Values) -> Self {
+        let word = values.text(ALIGNMENT_PARAMETER.key);
+        let rule = Self::ALL.into_iter().find(|rule| rule.word() == word);
+        rule.expect("the value was checked against the words of all rules")
+    }
+}
+
+/// How the motion vectors of a method's transparent fragments are aligned to its dithering pattern.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Alignment {
+    /// Side of the pattern, pixels.
+    pub side_px: u32,
+    /// What becomes of a vector.
+    pub rule: AlignmentRule,
+}
+
+impl Alignment {
+    /// Motion vectors stay as they are.
+    pub const NONE: Self = Self { side_px: 1, rule: AlignmentRule::Off };
+}
 
 /// How the backend finds the fragments of a pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

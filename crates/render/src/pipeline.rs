@@ -57,7 +57,7 @@ impl Pipeline {
         let rendered = cpu::render(stage, &self.method, &settings)?;
         self.steps = rendered.steps;
         let start = Instant::now();
-        stage.pool().install(|| self.history.add(rendered.planes, self.method.alignment_px(), &settings))?;
+        stage.pool().install(|| self.history.add(rendered.planes, self.method.alignment(), &settings))?;
         let timings = Timings {
             build_ms: stage.build_ms(),
             trace_ms: rendered.trace_ms,

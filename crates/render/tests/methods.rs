@@ -312,10 +312,12 @@ fn alignment_changes_what_taa_makes_of_motion_and_nothing_else() {
     let mut stage = Stage::new(scene, &camera, Some(2)).unwrap();
     let mut picture = |method: &str, aa| play_on(&mut stage, method, aa, 6, small(64, 36)).0;
     for method in ["std", "joint", "dtaa"] {
-        let off = format!("{method}:align=off");
-        assert_ne!(picture(method, Antialiasing::Taa), picture(&off, Antialiasing::Taa), "{method}");
-        for still in [Antialiasing::None, Antialiasing::Accumulate] {
-            assert_eq!(picture(method, still), picture(&off, still), "{method}");
+        for rule in ["off", "round", "dead"] {
+            let other = format!("{method}:align={rule}");
+            assert_ne!(picture(method, Antialiasing::Taa), picture(&other, Antialiasing::Taa), "{other}");
+            for still in [Antialiasing::None, Antialiasing::Accumulate] {
+                assert_eq!(picture(method, still), picture(&other, still), "{other}");
+            }
         }
     }
 }

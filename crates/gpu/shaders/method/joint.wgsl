@@ -1,6 +1,6 @@
 // Joint dithering: twin of sheer_render's method/joint.rs.
 #import shared/hash
-#import shared/tables
+#import shared/noise_of_all
 #import shared/threshold_map
 
 fn selection_threshold(pixel: vec2u, frame_index: u32, seed: u32) -> f32 {
@@ -10,6 +10,6 @@ fn selection_threshold(pixel: vec2u, frame_index: u32, seed: u32) -> f32 {
     let cycle = select(0u, frame_index / CYCLE_FRAMES, P_CYCLE == P_CYCLE_GOLDEN);
     let moved = (cycle * GOLDEN_RATIO_BITS) >> (32u - OFFSET_BITS);
     let one = 1u << OFFSET_BITS;
-    let offset = (u32(blue_noise_at(moved_pixel) * f32(one)) + moved) % one;
+    let offset = (u32(noise_of_all(moved_pixel) * f32(one)) + moved) % one;
     return (f32(stratum) + f32(offset) / f32(one)) / f32(THRESHOLD_COUNT);
 }

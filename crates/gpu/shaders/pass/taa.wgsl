@@ -34,12 +34,26 @@ fn resolve(pixel: vec2u, current: PixelRecord) -> vec4f {
     return clipped + (latest - clipped) * weight;
 }
 
-// A motion vector (pixels) as one of the four nearest multiples of the pattern's side, drawn by bilinear weight. A device may divide with an
-// error of a few units in the last place: a multiple then counts as a point just beside it, and is drawn with a probability just below 1.
+// The motion vector (pixels) of a transparent pixel as a multiple of the pattern's side, so that history is
+// fetched from a pixel at the same place in the pattern.
 fn aligned(motion: vec2f, pixel: vec2u) -> vec2f {
-    if temporal.alignment_px <= 1u {
-        return motion;
+    let side = f32(temporal.alignment_px);
+    if temporal.alignment_rule == ALIGN_ON {
+        return drawn(motion, pixel);
     }
+    if temporal.alignment_rule == ALIGN_ROUND {
+        return floor(motion / side + 0.5) * side;
+    }
+    if temporal.alignment_rule == ALIGN_DEAD {
+        return drawn(select(motion, vec2f(0.0), abs(motion) < vec2f(temporal.size) * DEAD_ZONE), pixel);
+    }
+    return motion;
+}
+
+// One of the four nearest multiples, drawn by bilinear weight. A device may divide with an error of a few
+// units in the last place: a multiple then counts as a point just beside it, and is drawn with a probability
+// just below 1.
+fn drawn(motion: vec2f, pixel: vec2u) -> vec2f {
     let side = f32(temporal.alignment_px);
     let low = floor(motion / side) * side;
     let high = ceil(motion / side) * side;
@@ -47,19 +61,20 @@ fn aligned(motion: vec2f, pixel: vec2u) -> vec2f {
     let rotated_seed = (temporal.seed << 16u) | (temporal.seed >> 16u);
     let random = unit_from_bits(pcg3d(vec3u(pixel, temporal.frame ^ rotated_seed)).x);
     // One random number serves both axes: what remains of it after the first decision is uniform again.
-    var drawn = low;
+    var chosen = low;
     var rest = (random - share.x) / (1.0 - share.x);
     if random < share.x {
-        drawn.x = high.x;
+        chosen.x = high.x;
         rest = random / share.x;
     }
     if rest < share.y {
-        drawn.y = high.y;
+        chosen.y = high.y;
     }
-    return drawn;
+    return chosen;
 }
 
-// Pulls history into the ellipsoid of the neighbourhood, along the line to its mean; alpha as it is.
+// Pulls history into the ellipsoid of the neighbourhood, along the line to its mean; alpha as it is. With the
+// rule of the dead zone into the box around the ellipsoid, each channel by itself.
 fn clip(old: vec4f, pixel: vec2i, radius: i32) -> vec4f {
     var sum = vec3f(0.0);
     var squares = vec3f(0.0);
@@ -74,6 +89,9 @@ fn clip(old: vec4f, pixel: vec2i, radius: i32) -> vec4f {
     let mean = sum / count;
     let deviation = sqrt(max(squares / count - mean * mean, vec3f(0.0))) * CLIP_SIGMAS;
     let offset = ycocg_from_rgb(old.rgb) - mean;
+    if temporal.alignment_rule == ALIGN_DEAD {
+        return vec4f(rgb_from_ycocg(mean + clamp(offset, -deviation, deviation)), old.a);
+    }
     // Length of the offset in standard deviations; an even neighbourhood leaves no room.
     let reach = length(offset / max(deviation, vec3f(LEAST_DEVIATION)));
     if reach <= 1.0 {

@@ -1,5 +1,4 @@
 // The 5×5 map of DTAA: twins of sheer_render's method/dtaa.rs (STD Listing 1).
-#import shared/tables
 
 // `stratify` of Listing 1, 0 to 4.
 fn dtaa_stratum(pixel: vec2u, frame: u32) -> u32 {
@@ -7,7 +6,7 @@ fn dtaa_stratum(pixel: vec2u, frame: u32) -> u32 {
     return (cell.x + 2u * cell.y) % DTAA_SIDE;
 }
 
-// The last line of Listing 1.
-fn dtaa_threshold(stratum: u32, pixel: vec2u) -> f32 {
-    return (f32(stratum) + blue_noise_at(pixel)) / f32(DTAA_SIDE);
+// The last line of Listing 1, with the blue noise of a pixel.
+fn dtaa_threshold(stratum: u32, noise: f32) -> f32 {
+    return (f32(stratum) + noise) / f32(DTAA_SIDE);
 }

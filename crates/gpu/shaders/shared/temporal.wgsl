@@ -6,11 +6,13 @@ struct Temporal {
     size: vec2u,
     // How many frames the history holds.
     count: u32,
-    // Side of the dithering pattern, pixels; 1 leaves motion vectors as they are.
+    // Side of the dithering pattern, pixels.
     alignment_px: u32,
     frame: u32,
     seed: u32,
-    padding: vec2u,
+    // An ALIGN_ constant.
+    alignment_rule: u32,
+    padding: u32,
 }
 
 @group(0) @binding(0) var<uniform> temporal: Temporal;

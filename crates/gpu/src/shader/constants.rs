@@ -8,7 +8,7 @@ use sheer_core::{
 use sheer_render::{
     Method, contract,
     cpu::shade,
-    method::{dtaa, dtaa_unique, hashed, joint, roulette},
+    method::{dtaa, dtaa_unique, hashed, joint, object_draw, roulette, static_noise},
     temporal::taa,
 };
 
@@ -47,6 +47,8 @@ pub(crate) fn all() -> Vec<Constant> {
         roulette::{MCGUIRE_SEEDS, MCGUIRE_SEED_STEP},
         dtaa::{SIDE as DTAA_SIDE, PERIOD_PX as DTAA_PERIOD_PX},
         hashed::{MAX_LEVEL},
+        object_draw::{SECOND_DRAW},
+        static_noise::{MIDDLE as MIDDLE_OF_STRATUM},
         joint::{SHIFT_PX, CYCLE_FRAMES, GOLDEN_RATIO_BITS, OFFSET_BITS},
         taa::{NEW_FRAME_WEIGHT, CLIP_SIGMAS, LEAST_DEVIATION},
         shade::{
@@ -64,6 +66,9 @@ pub(crate) fn all() -> Vec<Constant> {
         Constant { name: "OPAQUE_RADIUS".to_owned(), value: Value::I32(taa::OPAQUE_RADIUS as i32) },
         Constant { name: "TRANSPARENT_RADIUS".to_owned(), value: Value::I32(taa::TRANSPARENT_RADIUS as i32) },
     ]);
+    let rules = contract::AlignmentRule::ALL;
+    all.extend(rules.map(|rule| Constant::new(format!("ALIGN_{}", word(rule.word())), rule as u32)));
+    all.push(Constant::new("DEAD_ZONE", contract::AlignmentRule::DEAD_ZONE));
     all.extend(scene::CONSTANTS.iter().map(|&(name, value)| Constant::new(name, value)));
     let factors = hash::SPLITMIX64_FACTORS.into_iter().enumerate();
     all.extend(factors.map(|(index, factor)| Constant::new(format!("SPLITMIX64_FACTOR_{index}"), factor)));
@@ -89,7 +94,7 @@ pub(crate) fn of_method(method: &Method) -> Vec<Constant> {
             name: "P_CORRECTION_COEFFICIENTS".to_owned(),
             value: Value::Vec4F(method.correction().coefficients()),
         },
-        Constant::new("P_ALIGNMENT_PX", method.alignment_px()),
+        Constant::new("P_ALIGNMENT_PX", method.alignment().side_px),
     ]);
     constants
 }

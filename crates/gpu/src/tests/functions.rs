@@ -314,13 +314,19 @@ const INTEGER_METHODS: &[&str] = &[
     "std:identity=object",
     "std:identity=primitive,rehash=9",
     "std:rehash=1",
+    "std:noise=object",
+    "std:noise=object,identity=primitive,rehash=9",
+    "std:noise=off",
     "dtaa",
+    "dtaa:noise=off",
     "dtaa-unique",
     "dtaa-unique:identity=primitive,rehash=25",
+    "dtaa-unique:noise=object",
     "stbn",
     "stbn:identity=object,rehash=16",
     "joint",
     "joint:cycle=still",
+    "joint:noise=off",
 ];
 
 #[test]

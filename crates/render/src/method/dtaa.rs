@@ -5,6 +5,7 @@ use std::array;
 
 use sheer_core::parameter::Values;
 
+use super::static_noise::{NOISE_OF_ALL, Noise};
 use crate::contract::{BLUE_NOISE_SIDE, MethodInfo, Site, Tables, Threshold, Visitor};
 
 /// Its entry in the table.
@@ -13,7 +14,7 @@ pub const INFO: MethodInfo = MethodInfo {
     title: "five thresholds dithered over space and time, one map for all objects; one shaded fragment a pixel",
     paper: "Epic Games, DitherTemporalAA; Brüll, Kern, Grosch (STD), section 2.2",
     bias: "stacked layers share their thresholds: whatever is no more opaque than what lies before it is never seen",
-    parameters: &[],
+    parameters: &[NOISE_OF_ALL],
     alignment_px: SIDE,
 };
 
@@ -25,11 +26,13 @@ pub const PERIOD_PX: u32 = SIDE * BLUE_NOISE_SIDE;
 
 /// Dither Temporal AA.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Dtaa;
+pub struct Dtaa {
+    noise: Noise,
+}
 
 impl Dtaa {
-    pub(crate) fn new(_: &Values) -> Self {
-        Self
+    pub(crate) fn new(values: &Values) -> Self {
+        Self { noise: Noise::new(values) }
     }
 
     pub(crate) fn accept<V: Visitor>(&self, visitor: V) -> V::Output {
@@ -43,7 +46,7 @@ impl Threshold for Dtaa {
         array::from_fn(|lane| {
             // The listing draws nothing at random. A seed moves the whole pattern sideways, seed 0 leaves it in place.
             let pixel = [site.pixel[0][lane] + site.seed % PERIOD_PX, site.pixel[1][lane]];
-            threshold(stratum(pixel, site.frame), pixel, tables)
+            threshold(stratum(pixel, site.frame), self.noise.of_all(pixel, tables))
         })
     }
 }
@@ -55,10 +58,10 @@ pub(super) fn stratum(pixel: [u32; 2], frame: u32) -> u32 {
     (x + 2 * y) % SIDE
 }
 
-/// The last line of Listing 1.
+/// The last line of Listing 1, with the blue noise of a pixel.
 #[inline]
-pub(super) fn threshold(stratum: u32, pixel: [u32; 2], tables: &Tables) -> f32 {
-    (stratum as f32 + tables.blue_noise_at(pixel)) / SIDE as f32
+pub(super) fn threshold(stratum: u32, noise: f32) -> f32 {
+    (stratum as f32 + noise) / SIDE as f32
 }
 
 #[cfg(test)]

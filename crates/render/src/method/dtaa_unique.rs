@@ -8,6 +8,7 @@ use super::{
     dtaa,
     object_draw::{IDENTITY, ObjectDraw, REHASH},
     roulette::HASH,
+    static_noise::{NOISE, Noise},
 };
 use crate::contract::{MethodInfo, Site, Tables, Threshold, Visitor};
 
@@ -17,7 +18,7 @@ pub const INFO: MethodInfo = MethodInfo {
     title: "DTAA with the five thresholds permuted for each object (DTAA*); one shaded fragment a pixel",
     paper: "Brüll, Kern, Grosch (STD), sections 2.2 and 4",
     bias: "stacked layers: two of 120 permutations are not independent, so they hide one another too much or too little",
-    parameters: &[HASH, IDENTITY, REHASH],
+    parameters: &[HASH, IDENTITY, REHASH, NOISE],
     alignment_px: dtaa::SIDE,
 };
 
@@ -31,11 +32,12 @@ pub const PERMUTATIONS: [[u8; dtaa::SIDE as usize]; PERMUTATION_COUNT] = permuta
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DtaaUnique {
     draw: ObjectDraw,
+    noise: Noise,
 }
 
 impl DtaaUnique {
     pub(crate) fn new(values: &Values) -> Self {
-        Self { draw: ObjectDraw::new(values) }
+        Self { draw: ObjectDraw::new(values), noise: Noise::new(values) }
     }
 
     pub(crate) fn accept<V: Visitor>(&self, visitor: V) -> V::Output {
@@ -50,7 +52,7 @@ impl Threshold for DtaaUnique {
             let pixel = [site.pixel[0][lane], site.pixel[1][lane]];
             let permutation = PERMUTATIONS[self.draw.below(site, lane, PERMUTATION_COUNT as u32) as usize];
             let stratum = permutation[dtaa::stratum(pixel, site.frame) as usize];
-            dtaa::threshold(u32::from(stratum), pixel, tables)
+            dtaa::threshold(u32::from(stratum), self.noise.of_hit(self.draw, site, lane, tables))
         })
     }
 }

@@ -7,6 +7,7 @@ use sheer_core::{
     threshold_map::threshold_index,
 };
 
+use super::static_noise::{NOISE_OF_ALL, Noise};
 use crate::contract::{MethodInfo, Selection, Tables, Visitor};
 
 /// Its entry in the table.
@@ -15,12 +16,15 @@ pub const INFO: MethodInfo = MethodInfo {
     title: "one dithered threshold a pixel against the coverage accumulated front to back; one shaded fragment a pixel",
     paper: "own; dithering after Brüll, Kern, Grosch (STD), section 3.3",
     bias: "none; with cycle=still a layer's share of a still pixel stays off by up to a ninth, in the mean of all pixels it is right",
-    parameters: &[ParameterInfo {
-        key: "cycle",
-        default: "golden",
-        range: ParameterRange::Choice(&["golden", "still"]),
-        what: "move the blue noise by the golden ratio every nine frames, so that a still picture converges; or never, as STD",
-    }],
+    parameters: &[
+        ParameterInfo {
+            key: "cycle",
+            default: "golden",
+            range: ParameterRange::Choice(&["golden", "still"]),
+            what: "move the blue noise by the golden ratio every nine frames, so that a still picture converges; or never, as STD",
+        },
+        NOISE_OF_ALL,
+    ],
     alignment_px: 3,
 };
 
@@ -37,11 +41,12 @@ pub const OFFSET_BITS: u32 = 20;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Joint {
     moves: bool,
+    noise: Noise,
 }
 
 impl Joint {
     pub(crate) fn new(values: &Values) -> Self {
-        Self { moves: values.text("cycle") == "golden" }
+        Self { moves: values.text("cycle") == "golden", noise: Noise::new(values) }
     }
 
     pub(crate) fn accept<V: Visitor>(&self, visitor: V) -> V::Output {
@@ -58,7 +63,7 @@ impl Selection for Joint {
         let cycle = if self.moves { frame / CYCLE_FRAMES } else { 0 };
         let moved = cycle.wrapping_mul(GOLDEN_RATIO_BITS) >> (32 - OFFSET_BITS);
         let one = 1 << OFFSET_BITS;
-        let offset = ((tables.blue_noise_at(pixel) * one as f32) as u32 + moved) % one;
+        let offset = ((self.noise.of_all(pixel, tables) * one as f32) as u32 + moved) % one;
         (f32::from(stratum) + offset as f32 / one as f32) / 9.0
     }
 }
@@ -69,7 +74,7 @@ mod tests {
 
     #[test]
     fn each_cycle_of_nine_frames_meets_every_ninth_of_the_range_once() {
-        let (joint, tables) = (Joint { moves: true }, Tables::get());
+        let (joint, tables) = (Joint { moves: true, noise: Noise::Shared }, Tables::get());
         for (cycle, pixel) in [(0, [0, 0]), (1, [5, 7]), (1000, [63, 64]), (u32::MAX / 9 - 1, [1919, 1079])] {
             let mut strata: Vec<_> = (cycle * 9..cycle * 9 + 9)
                 .map(|frame| (joint.threshold(pixel, frame, 3, &tables) * 9.0) as u32)
@@ -85,7 +90,7 @@ mod tests {
         // Star discrepancy of 89 cycles; the golden ratio's is of the order log n / n, on top of the ninths.
         let discrepancy = |moves| {
             let count = 89 * 9;
-            let joint = Joint { moves };
+            let joint = Joint { moves, noise: Noise::Shared };
             let mut sorted: Vec<f32> =
                 (0..count).map(|frame| joint.threshold([17, 40], frame, 0, &tables)).collect();
             sorted.sort_unstable_by(f32::total_cmp);
@@ -98,7 +103,7 @@ mod tests {
 
     #[test]
     fn no_threshold_reaches_one() {
-        let (joint, tables) = (Joint { moves: true }, Tables::get());
+        let (joint, tables) = (Joint { moves: true, noise: Noise::Shared }, Tables::get());
         for frame in 0..20_000 {
             let threshold = joint.threshold([frame % 64, frame / 64 % 64], frame, 0, &tables);
             assert!((0.0..1.0).contains(&threshold), "frame {frame}: {threshold}");

@@ -9,8 +9,8 @@ use sheer_core::{
 };
 
 use crate::contract::{
-    ALIGNMENT_PARAMETER, CORRECTION_PARAMETER, Compositing, Hybrid, Memory, MethodInfo, Selection, Threshold,
-    Visitor,
+    ALIGNMENT_PARAMETER, Alignment, AlignmentRule, CORRECTION_PARAMETER, Compositing, Hybrid, Memory,
+    MethodInfo, Selection, Threshold, Visitor,
 };
 
 /// Why there is no such method.
@@ -93,8 +93,9 @@ impl Visitor for FamilyOf {
     }
 }
 
-mod object_draw;
+pub mod object_draw;
 mod stack;
+pub mod static_noise;
 
 macro_rules! methods {
     ($($module:ident :: $name:ident),+ $(,)?) => {
@@ -106,7 +107,7 @@ macro_rules! methods {
             kind: Kind,
             hybrid: Hybrid,
             correction: Correction,
-            alignment_px: u32,
+            alignment: Alignment,
             values: Values,
             text: String,
         }
@@ -150,9 +151,9 @@ macro_rules! methods {
                         Family::Compositing => (Hybrid::NONE, Correction::NONE),
                         Family::Threshold | Family::Selection => (Hybrid::new(&values), correction(&values)),
                     };
-                    let alignment_px = alignment_px(&$module::INFO, &values);
+                    let alignment = alignment(&$module::INFO, &values);
                     let kind = Kind::$name($module::$name::new(&values));
-                    return Ok(Self { kind, hybrid, correction, alignment_px, values, text: text.to_owned() });
+                    return Ok(Self { kind, hybrid, correction, alignment, values, text: text.to_owned() });
                 })+
                 let known = METHODS.iter().map(|info| info.id).collect::<Vec<_>>().join(", ");
                 Err(MethodError::Unknown { name: name.to_owned(), known })
@@ -220,10 +221,10 @@ impl Method {
         self.correction
     }
 
-    /// Motion vectors are to be aligned to multiples of this many pixels; 1: not at all.
+    /// How motion vectors are to be aligned under TAA.
     #[must_use]
-    pub fn alignment_px(&self) -> u32 {
-        self.alignment_px
+    pub fn alignment(&self) -> Alignment {
+        self.alignment
     }
 
     /// The method with a correction of the caller's own; it prints as `text` from now on. A [`Family::Compositing`] method has no threshold
@@ -242,11 +243,15 @@ fn correction(values: &Values) -> Correction {
     }
 }
 
-/// The alignment that a method has and its user has not turned off; a hybrid that is exact all through has no pattern to align to.
-fn alignment_px(info: &MethodInfo, values: &Values) -> u32 {
-    let is_off = info.alignment_px > 1
-        && (values.text(ALIGNMENT_PARAMETER.key) == "off" || Hybrid::new(values) == Hybrid::EXACT);
-    if is_off { 1 } else { info.alignment_px }
+/// The alignment that a method's user wants; a hybrid that is exact all through has no pattern to align to.
+fn alignment(info: &MethodInfo, values: &Values) -> Alignment {
+    if info.alignment_px == 1 || Hybrid::new(values) == Hybrid::EXACT {
+        return Alignment::NONE;
+    }
+    match AlignmentRule::new(values) {
+        AlignmentRule::Off => Alignment::NONE,
+        rule => Alignment { side_px: info.alignment_px, rule },
+    }
 }
 
 impl fmt::Display for Method {
@@ -301,15 +306,24 @@ mod tests {
     }
 
     #[test]
-    fn alignment_can_be_turned_off_where_there_is_any() {
+    fn alignment_can_be_chosen_where_there_is_any() {
         for info in METHODS {
-            assert_eq!(info.id.parse::<Method>().unwrap().alignment_px(), info.alignment_px, "{}", info.id);
+            assert_eq!(
+                info.id.parse::<Method>().unwrap().alignment().side_px,
+                info.alignment_px,
+                "{}",
+                info.id
+            );
             if let Ok(exact) = format!("{}:hybrid=0", info.id).parse::<Method>() {
-                assert_eq!(exact.alignment_px(), 1, "{}", info.id);
+                assert_eq!(exact.alignment(), Alignment::NONE, "{}", info.id);
             }
-            let off = format!("{}:align=off", info.id).parse::<Method>();
-            assert_eq!(off.is_ok(), info.alignment_px > 1, "{}", info.id);
-            assert!(off.is_ok_and(|method| method.alignment_px() == 1) || info.alignment_px == 1);
+            for rule in AlignmentRule::ALL {
+                let chosen = format!("{}:align={}", info.id, rule.word()).parse::<Method>();
+                assert_eq!(chosen.is_ok(), info.alignment_px > 1, "{}", info.id);
+                let Ok(method) = chosen else { continue };
+                let side_px = if rule == AlignmentRule::Off { 1 } else { info.alignment_px };
+                assert_eq!(method.alignment(), Alignment { side_px, rule }, "{method}");
+            }
         }
     }
 

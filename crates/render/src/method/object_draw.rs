@@ -25,6 +25,10 @@ pub(super) const REHASH: ParameterInfo = ParameterInfo {
            9: after each cycle of std",
 };
 
+/// What the second number that an object draws is hashed with, on top of all that makes the first: small, as
+/// the sine hash wants it.
+pub const SECOND_DRAW: u32 = 1;
+
 /// The draw of `getRandom3x3Map` in STD Listing 4, from any number of choices.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct ObjectDraw {
@@ -53,12 +57,23 @@ impl ObjectDraw {
     /// A number in `0..count`, each equally likely.
     #[inline]
     pub(super) fn below<const N: usize>(self, site: &Site<N>, lane: usize, count: u32) -> u32 {
+        self.draw(site, lane, count, None)
+    }
+
+    /// A second number in `0..count`, independent of the first.
+    #[inline]
+    pub(super) fn second_below<const N: usize>(self, site: &Site<N>, lane: usize, count: u32) -> u32 {
+        self.draw(site, lane, count, Some(SECOND_DRAW))
+    }
+
+    #[inline]
+    fn draw<const N: usize>(self, site: &Site<N>, lane: usize, count: u32, further: Option<u32>) -> u32 {
         let (instance, geometry) = (site.instance[lane], site.geometry[lane]);
         let back = if self.identity == Identity::Face { site.back[lane] } else { 0 };
         // Hashed on top of the paper's draw, which stays as it is where neither is asked for.
         let primitive = (self.identity == Identity::Primitive).then_some(site.primitive[lane]);
         let cycle = site.frame.checked_div(self.rehash_frames);
-        let more = [primitive, cycle].into_iter().flatten();
+        let more = [primitive, cycle, further].into_iter().flatten();
         if self.mcguire {
             let shifted = instance.wrapping_add(site.seed) as f32;
             let first = mcguire3(Vec3::new(shifted, geometry as f32, back as f32));

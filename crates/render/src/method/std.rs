@@ -10,6 +10,7 @@ use sheer_core::{
 use super::{
     object_draw::{IDENTITY, ObjectDraw, REHASH},
     roulette::HASH,
+    static_noise::{NOISE, Noise},
 };
 use crate::contract::{MethodInfo, Site, Tables, Threshold, Visitor};
 
@@ -19,7 +20,7 @@ pub const INFO: MethodInfo = MethodInfo {
     title: "thresholds dithered over space and time, one map an object; one shaded fragment a pixel",
     paper: "Brüll, Kern, Grosch (STD), section 3.3",
     bias: "stacked layers: their maps are not independent, so they hide one another too much or too little",
-    parameters: &[HASH, IDENTITY, REHASH],
+    parameters: &[HASH, IDENTITY, REHASH, NOISE],
     alignment_px: 3,
 };
 
@@ -27,11 +28,12 @@ pub const INFO: MethodInfo = MethodInfo {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Std {
     draw: ObjectDraw,
+    noise: Noise,
 }
 
 impl Std {
     pub(crate) fn new(values: &Values) -> Self {
-        Self { draw: ObjectDraw::new(values) }
+        Self { draw: ObjectDraw::new(values), noise: Noise::new(values) }
     }
 
     pub(crate) fn accept<V: Visitor>(&self, visitor: V) -> V::Output {
@@ -46,7 +48,7 @@ impl Threshold for Std {
             let pixel = [site.pixel[0][lane], site.pixel[1][lane]];
             let map = &tables.std_maps[self.draw.below(site, lane, MAP_COUNT as u32) as usize];
             let stratum = threshold_index(map, pixel, site.frame);
-            (f32::from(stratum) + tables.blue_noise_at(pixel)) / 9.0
+            (f32::from(stratum) + self.noise.of_hit(self.draw, site, lane, tables)) / 9.0
         })
     }
 }

@@ -6,7 +6,10 @@ use glam::Vec2;
 use rayon::prelude::*;
 use sheer_image::{Image, ImageError, Planes};
 
-use crate::settings::FrameSettings;
+use crate::{
+    contract::Alignment,
+    settings::{FrameSettings, Settings},
+};
 
 mod align;
 pub mod taa;
@@ -110,14 +113,15 @@ impl History {
         &self.planes
     }
 
-    /// Takes in the next frame; `alignment_px` as in [`crate::contract::MethodInfo::alignment_px`].
+    /// Takes in the next frame, of a method whose motion vectors are aligned like this
+    /// ([`crate::Method::alignment`]).
     ///
     /// # Errors
     /// [`ImageError::Size`] if memory does not suffice.
     pub fn add(
         &mut self,
         current: Planes,
-        alignment_px: u32,
+        alignment: Alignment,
         settings: &FrameSettings,
     ) -> Result<(), ImageError> {
         let mut current = current;
@@ -126,9 +130,9 @@ impl History {
                 Antialiasing::None => {}
                 Antialiasing::Accumulate => add_to_mean(&self.planes.colour, &mut current.colour, self.count),
                 Antialiasing::Taa => {
-                    let alignment =
-                        align::Alignment { alignment_px, frame: settings.frame, seed: settings.run.seed };
-                    current.colour = taa::resolve(&current, &self.planes.colour, self.count, alignment)?;
+                    let FrameSettings { run: Settings { size, seed, .. }, frame, .. } = *settings;
+                    let reprojection = align::Reprojection { alignment, size, frame, seed };
+                    current.colour = taa::resolve(&current, &self.planes.colour, self.count, reprojection)?;
                 }
             }
         }
@@ -172,7 +176,7 @@ mod tests {
         for value in [1.0, 2.0, 6.0] {
             let mut planes = Planes::new(1, 1).unwrap();
             planes.colour[(0, 0)] = [value; 4];
-            history.add(planes, 1, &settings).unwrap();
+            history.add(planes, Alignment::NONE, &settings).unwrap();
         }
         assert_eq!(history.planes().colour[(0, 0)], [3.0; 4]);
     }

@@ -4,7 +4,8 @@
 use glam::{Vec2, Vec3, Vec3A, Vec4};
 use sheer_image::{Image, ImageError, Planes};
 
-use super::align::Alignment;
+use super::align::Reprojection;
+use crate::contract::AlignmentRule;
 
 /// Weight of the new frame (STD Eq. 2).
 pub const NEW_FRAME_WEIGHT: f32 = 0.1;
@@ -23,7 +24,7 @@ pub(super) fn resolve(
     current: &Planes,
     history: &Image<[f32; 4]>,
     count: u32,
-    alignment: Alignment,
+    reprojection: Reprojection,
 ) -> Result<Image<[f32; 4]>, ImageError> {
     let (width, height) = current.colour.size();
     let ycocg = current.colour.par_map(|[r, g, b, _]| ycocg_from_rgb(Vec3A::new(*r, *g, *b)));
@@ -34,18 +35,19 @@ pub(super) fn resolve(
         let transparent = current.transparent[(x, y)];
         let motion = Vec2::from(current.motion[(x, y)]);
         // Only where the pattern shows: opaque surfaces would smear for nothing.
-        let motion = if transparent { alignment.apply(motion, [x, y]) } else { motion };
+        let motion = if transparent { reprojection.aligned(motion, [x, y]) } else { motion };
         let Some(old) = fetch(history, Vec2::new(x as f32, y as f32) + motion) else {
             return new.to_array();
         };
         let radius = if transparent { TRANSPARENT_RADIUS } else { OPAQUE_RADIUS };
-        let clipped = clip(old, &ycocg, [x, y], radius);
+        let clipped = clip(old, &ycocg, [x, y], radius, reprojection.alignment.rule);
         (clipped + (new - clipped) * weight).to_array()
     })
 }
 
-/// Pulls history into the ellipsoid of the neighbourhood, along the line to its mean; alpha as it is.
-fn clip(old: Vec4, ycocg: &Image<Vec3A>, [x, y]: [u32; 2], radius: i64) -> Vec4 {
+/// Pulls history into the ellipsoid of the neighbourhood, along the line to its mean; alpha as it is. With
+/// [`AlignmentRule::DeadZone`] into the box around the ellipsoid, each channel by itself.
+fn clip(old: Vec4, ycocg: &Image<Vec3A>, [x, y]: [u32; 2], radius: i64, rule: AlignmentRule) -> Vec4 {
     let (mut sum, mut squares) = (Vec3A::ZERO, Vec3A::ZERO);
     for dy in -radius..=radius {
         for dx in -radius..=radius {
@@ -58,6 +60,9 @@ fn clip(old: Vec4, ycocg: &Image<Vec3A>, [x, y]: [u32; 2], radius: i64) -> Vec4 
     let mean = sum / count;
     let deviation = (squares / count - mean * mean).max(Vec3A::ZERO).map(f32::sqrt) * CLIP_SIGMAS;
     let offset = ycocg_from_rgb(Vec3A::from(old.truncate())) - mean;
+    if rule == AlignmentRule::DeadZone {
+        return Vec3::from(rgb_from_ycocg(mean + offset.clamp(-deviation, deviation))).extend(old.w);
+    }
     // Length of the offset in standard deviations; an even neighbourhood leaves no room.
     let reach = (offset / deviation.max(Vec3A::splat(LEAST_DEVIATION))).length();
     if reach <= 1.0 {
@@ -115,8 +120,9 @@ fn rgb_from_ycocg(ycocg: Vec3A) -> Vec3A {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::contract::Alignment;
 
-    const STILL: Alignment = Alignment { alignment_px: 1, frame: 0, seed: 0 };
+    const STILL: Reprojection = Reprojection { alignment: Alignment::NONE, size: [8, 8], frame: 0, seed: 0 };
 
     fn planes(width: u32, height: u32, colour: impl Fn(u32, u32) -> f32) -> Planes {
         let mut planes = Planes::new(width, height).unwrap();
@@ -152,6 +158,25 @@ mod tests {
         let history = Image::filled(9, 9, [0.5; 4]).unwrap();
         let result = resolve(&current, &history, 100, STILL).unwrap();
         assert!((result[(4, 4)][0] - 0.45).abs() < 1e-5, "{:?}", result[(4, 4)]);
+    }
+
+    #[test]
+    fn the_box_clips_each_channel_by_itself() {
+        // Luma varies and chroma does not: a tint of the history takes all of it to the mean of the
+        // ellipsoid, in the box the tint alone.
+        let current = planes(9, 9, |x, y| ((x + y) % 2) as f32);
+        let alignment = Alignment { side_px: 3, rule: AlignmentRule::DeadZone };
+        let clipped = |old: [f32; 4]| {
+            let history = Image::filled(9, 9, old).unwrap();
+            [STILL, Reprojection { alignment, ..STILL }].map(|reprojection| {
+                Vec4::from(resolve(&current, &history, 100, reprojection).unwrap()[(4, 4)])
+            })
+        };
+        let [ellipsoid, boxed] = clipped([0.6, 0.6, 0.6, 1.0]);
+        assert!((ellipsoid - boxed).abs().max_element() < 1e-5, "{ellipsoid} {boxed}");
+        let [ellipsoid, boxed] = clipped([0.8, 0.85, 0.8, 1.0]);
+        assert!((boxed.y - 0.9 * 0.825).abs() < 1e-4 && (boxed.x - boxed.y).abs() < 1e-4, "{boxed}");
+        assert!((ellipsoid.y - 0.9 * 4.0 / 9.0).abs() < 1e-3, "{ellipsoid}");
     }
 
     #[test]
