@@ -96,12 +96,35 @@ pub const fn unit_from_bits(bits: u32) -> f32 {
     (bits >> 8) as f32 * UNIT_STEP
 }
 
-/// FNV-1a of 64 bits (Fowler, Noll, Vo): a fingerprint that pins tables in tests, no random source.
+/// FNV-1a of 64 bits (Fowler, Noll, Vo): a fingerprint that tells contents apart and pins tables in tests, no
+/// random source.
+#[derive(Clone, Copy, Debug)]
+pub struct Fnv1a(u64);
+
+impl Fnv1a {
+    /// The fingerprint of nothing: the authors' offset basis.
+    pub const EMPTY: Self = Self(0xcbf2_9ce4_8422_2325);
+
+    /// Adds bytes behind all that came before.
+    pub fn add(&mut self, bytes: impl IntoIterator<Item = u8>) {
+        for byte in bytes {
+            self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3);
+        }
+    }
+
+    /// The fingerprint of all bytes so far.
+    #[must_use]
+    pub fn value(self) -> u64 {
+        self.0
+    }
+}
+
+/// [`Fnv1a`] of some bytes.
 #[must_use]
 pub fn fnv1a(bytes: impl IntoIterator<Item = u8>) -> u64 {
-    bytes.into_iter().fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
-        (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3)
-    })
+    let mut hash = Fnv1a::EMPTY;
+    hash.add(bytes);
+    hash.value()
 }
 
 /// Numbers of [`mcguire2`] as the listing has them: how much the sines are blown up, factors of x and y in the first sine, of y in the

@@ -5,6 +5,7 @@
 
 pub mod builtin;
 pub mod camera;
+mod content_hash;
 pub mod environment;
 mod error;
 mod frame;

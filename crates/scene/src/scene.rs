@@ -5,6 +5,7 @@ use glam::{Affine3A, Vec3};
 use crate::{
     SceneError,
     camera::{Camera, CameraKey, CameraMotion, Lens},
+    content_hash,
     model::{AlphaMode, Interpolation, Keys, Mesh, SceneParts, Track, Transform},
     texture::Sampler,
 };
@@ -70,6 +71,13 @@ impl Scene {
     #[must_use]
     pub fn name(&self) -> &str {
         &self.parts.name
+    }
+
+    /// Identifies what the scene holds: another part, or another value of one, is another hash; another name
+    /// for the same is not. It takes about a nanosecond for each byte of vertices and texels.
+    #[must_use]
+    pub fn content_hash(&self) -> u64 {
+        content_hash::of_parts(&self.parts)
     }
 
     /// Centre and radius of a sphere around everything at rest.
