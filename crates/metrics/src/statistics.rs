@@ -77,6 +77,35 @@ pub fn chi_square_p(statistic: f64, degrees: u32) -> f64 {
     upper_gamma_of_half(degrees, statistic / 2.0)
 }
 
+/// The standard normal number that is as rare as a chi-square one (Wilson and Hilferty 1931).
+#[must_use]
+pub fn wilson_hilferty(chi_square: f64, degrees: f64) -> f64 {
+    let spread = 2.0 / (9.0 * degrees);
+    ((chi_square / degrees).cbrt() - (1.0 - spread)) / spread.sqrt()
+}
+
+/// The probability that a number of Student's distribution is at least as far from 0 as `t` (Abramowitz and Stegun 1964, 26.7.3 and
+/// 26.7.4). 1 without degrees of freedom: nothing is known then.
+#[must_use]
+pub fn student_t_p(t: f64, degrees: u32) -> f64 {
+    if degrees == 0 {
+        return 1.0;
+    }
+    let angle = (t.abs() / f64::from(degrees).sqrt()).atan();
+    let (sine, cosine) = angle.sin_cos();
+    // Each term is the one before times cos² and the next fraction: even numbers over odd ones, or the other way round.
+    let first = if degrees % 2 == 1 { cosine } else { 1.0 };
+    let (mut term, mut sum) = (first, if degrees == 1 { 0.0 } else { first });
+    let mut power = degrees % 2 + 2;
+    while power < degrees {
+        term *= cosine * cosine * f64::from(power - 1) / f64::from(power);
+        sum += term;
+        power += 2;
+    }
+    let inside = if degrees % 2 == 1 { (angle + sine * sum) * 2.0 / PI } else { sine * sum };
+    (1.0 - inside).clamp(0.0, 1.0)
+}
+
 /// The level at which each of `tests` independent tests has to be held so that all together err with probability `level`
 /// (Šidák 1967).
 #[must_use]
@@ -168,6 +197,36 @@ mod tests {
     use sheer_core::hash::Pcg32;
 
     use super::*;
+
+    #[test]
+    fn students_distribution_has_its_printed_quantiles() {
+        // Two-sided 5 % and 1 % points, from any table.
+        for (degrees, five, one) in
+            [(1, 12.706, 63.657), (2, 4.303, 9.925), (3, 3.182, 5.841), (4, 2.776, 4.604), (9, 2.262, 3.250)]
+        {
+            assert!(
+                (student_t_p(five, degrees) - 0.05).abs() < 2e-5,
+                "{degrees}: {}",
+                student_t_p(five, degrees)
+            );
+            assert!(
+                (student_t_p(-one, degrees) - 0.01).abs() < 2e-5,
+                "{degrees}: {}",
+                student_t_p(one, degrees)
+            );
+        }
+        // With many degrees it is the normal one.
+        assert!((student_t_p(1.96, 10_000) / two_sided_p(1.96) - 1.0).abs() < 1e-3);
+        assert_eq!([student_t_p(0.0, 7), student_t_p(9.0, 0)], [1.0, 1.0]);
+    }
+
+    #[test]
+    fn the_normal_number_of_a_chi_square_one_has_its_probability() {
+        for chi_square in [14.0, 21.0, 30.0] {
+            let z = wilson_hilferty(chi_square, 12.0);
+            assert!((two_sided_p(z) / 2.0 / chi_square_p(chi_square, 12) - 1.0).abs() < 0.05);
+        }
+    }
 
     #[test]
     fn probabilities_and_normal_numbers_turn_into_each_other() {
