@@ -1,13 +1,13 @@
 //! The command line.
 
-use std::{fmt, fs, path::PathBuf, str::FromStr};
+use std::{fmt, fs, iter, path::PathBuf, str::FromStr};
 
-use clap::{Args, Parser, Subcommand, ValueEnum, builder::RangedU64ValueParser, value_parser};
+use clap::{Args, Parser, Subcommand, builder::RangedU64ValueParser, value_parser};
 use glam::Vec3;
 use sheer_core::{colour::linear_from_srgb, coverage::Correction, parameter::split_name};
 use sheer_gpu::{AdapterChoice, GpuPathChoice};
 use sheer_image::unit_from_u8;
-use sheer_render::{Antialiasing, Background, Method, Shadow};
+use sheer_render::{Antialiasing, Backend, Background, Method, Shadow, backend::Cpu};
 use sheer_scene::CameraChoice;
 
 use crate::output;
@@ -40,9 +40,9 @@ pub(crate) enum Command {
     Compare(CompareArguments),
     /// Measure what methods cost.
     Bench(BenchArguments),
-    /// Measure what a method shows of ten opacities and fit the correction for it; on the CPU.
+    /// Measure what a method shows of ten opacities and fit the correction for it.
     Calibrate(CalibrateArguments),
-    /// Make the papers' figures again, measure them and write one report; on the CPU.
+    /// Make the papers' figures again, measure them and write one report.
     Experiments(ExperimentsArguments),
     /// Check the papers' numbers and the methods' promises: closed form, printed, measured; or hold a GPU against the CPU.
     Verify(VerifyArguments),
@@ -153,7 +153,7 @@ pub(crate) struct CalibrateArguments {
     #[command(flatten)]
     pub(crate) frames: FrameArguments,
     #[command(flatten)]
-    _backend: CpuArguments,
+    pub(crate) backend: BackendArguments,
     #[command(flatten)]
     pub(crate) machine: MachineArguments,
 }
@@ -178,7 +178,7 @@ pub(crate) struct ExperimentsArguments {
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub(crate) seed: u32,
     #[command(flatten)]
-    _backend: CpuArguments,
+    pub(crate) backend: BackendArguments,
     #[command(flatten)]
     pub(crate) machine: MachineArguments,
 }
@@ -256,25 +256,10 @@ pub(crate) struct LightArguments {
 pub(crate) struct BackendArguments {
     /// cpu; gpu: rays where the GPU traces them itself and the method goes by rays, raster otherwise; gpu:ray or gpu:raster: that alone.
     #[arg(long, default_value = "cpu")]
-    pub(crate) backend: Backend,
+    pub(crate) backend: BackendChoice,
     /// The GPU: its number or a part of its name, as `sheer devices` has them; the most capable if not given.
     #[arg(long, value_name = "NAME|INDEX")]
     pub(crate) adapter: Option<AdapterChoice>,
-}
-
-/// What renders, where the CPU alone is the judge.
-#[derive(Args, Clone, Copy, Debug)]
-struct CpuArguments {
-    /// cpu: this command has no other.
-    #[arg(id = "backend", long, value_name = "cpu", default_value = "cpu")]
-    _backend: OnlyCpu,
-}
-
-/// The one backend of some commands.
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum OnlyCpu {
-    /// The processor.
-    Cpu,
 }
 
 /// Where and how loudly.
@@ -320,43 +305,31 @@ impl FromStr for Size {
     }
 }
 
-/// What renders.
+/// What `--backend` may be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Backend {
+pub(crate) enum BackendChoice {
     /// The processor.
     Cpu,
     /// A GPU.
     Gpu(GpuPathChoice),
 }
 
-impl Backend {
-    /// All, in the order in which they are listed.
-    const ALL: [Self; 4] = [
-        Self::Cpu,
-        Self::Gpu(GpuPathChoice::Automatic),
-        Self::Gpu(GpuPathChoice::Ray),
-        Self::Gpu(GpuPathChoice::Raster),
-    ];
-
-    /// The word on the command line.
-    pub(crate) fn word(self) -> &'static str {
-        match self {
-            Self::Cpu => "cpu",
-            Self::Gpu(GpuPathChoice::Automatic) => "gpu",
-            Self::Gpu(GpuPathChoice::Ray) => "gpu:ray",
-            Self::Gpu(GpuPathChoice::Raster) => "gpu:raster",
-        }
+impl BackendChoice {
+    /// All with their names, in the order in which they are listed.
+    fn all() -> impl Iterator<Item = (&'static str, Self)> {
+        let on_gpu = GpuPathChoice::ALL.into_iter().map(|path| (path.name(), Self::Gpu(path)));
+        iter::once((Cpu.name(), Self::Cpu)).chain(on_gpu)
     }
 }
 
-impl FromStr for Backend {
+impl FromStr for BackendChoice {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        Self::ALL
-            .into_iter()
-            .find(|known| known.word() == text)
-            .ok_or_else(|| format!("there are: {}", Self::ALL.map(Self::word).join(", ")))
+        Self::all().find_map(|(name, choice)| (name == text).then_some(choice)).ok_or_else(|| {
+            let names: Vec<&str> = Self::all().map(|(name, _)| name).collect();
+            format!("there are: {}", names.join(", "))
+        })
     }
 }
 

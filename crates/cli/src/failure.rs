@@ -1,12 +1,14 @@
 //! From errors to messages and exit codes.
 
 use std::{
+    error::Error,
     io::{self, ErrorKind, Write as _},
     process::ExitCode,
 };
 
 use sheer_gpu::GpuError;
 use sheer_image::ImageError;
+use sheer_lab::LabError;
 use sheer_render::RenderError;
 use sheer_scene::SceneError;
 
@@ -55,16 +57,31 @@ fn is_broken_pipe(error: &anyhow::Error) -> bool {
 }
 
 fn is_misuse(error: &anyhow::Error) -> bool {
-    error.chain().any(|cause| {
-        cause.is::<Misuse>()
-            || cause.downcast_ref().is_some_and(is_misuse_of_gpu)
-            || cause.downcast_ref().is_some_and(is_misuse_of_renderer)
-            || cause.downcast_ref().is_some_and(is_misuse_of_scene)
-            || cause.downcast_ref().is_some_and(is_misuse_of_image)
-    })
+    error.chain().any(is_misuse_itself)
+}
+
+/// Whatever caused it.
+fn is_misuse_itself(cause: &(dyn Error + 'static)) -> bool {
+    cause.is::<Misuse>()
+        || cause.downcast_ref().is_some_and(is_misuse_of_lab)
+        || cause.downcast_ref().is_some_and(is_misuse_of_gpu)
+        || cause.downcast_ref().is_some_and(is_misuse_of_renderer)
+        || cause.downcast_ref().is_some_and(is_misuse_of_scene)
+        || cause.downcast_ref().is_some_and(is_misuse_of_image)
 }
 
 // Transparent errors stand in the chain for what they hold.
+
+fn is_misuse_of_lab(error: &LabError) -> bool {
+    match error {
+        LabError::Misuse(_) => true,
+        LabError::Backend(error) | LabError::Unsupported(error) => is_misuse_itself(error.as_ref()),
+        LabError::Render(render) => is_misuse_of_renderer(render),
+        LabError::Scene(scene) => is_misuse_of_scene(scene),
+        LabError::Image(image) => is_misuse_of_image(image),
+        _ => false,
+    }
+}
 
 fn is_misuse_of_gpu(error: &GpuError) -> bool {
     match error {

@@ -10,19 +10,13 @@ use clap::Parser;
 
 mod args;
 mod backend;
-mod clip;
 mod command;
 mod failure;
 mod output;
 mod report;
 mod setup;
 mod talk;
-mod tally;
-
-/// The commit that this binary was built from, or `unknown`.
-const COMMIT: &str = env!("SHEER_COMMIT");
-/// The version of this binary.
-const VERSION: &str = env!("CARGO_PKG_VERSION");
+mod version;
 
 fn main() -> ExitCode {
     output::finish_writing_when_interrupted();

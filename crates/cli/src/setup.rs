@@ -5,15 +5,15 @@ use std::{path::Path, sync::Arc};
 use anyhow::Context as _;
 use rayon::ThreadPoolBuilder;
 use sheer_image::Metadata;
-use sheer_render::{Antialiasing, Method, RenderError, Settings, Shadow, Stage};
+use sheer_lab::file_name_from;
+use sheer_render::{Antialiasing, Backend, Method, RenderError, Settings, Shadow};
 use sheer_scene::{CameraChoice, Scene};
 
 use crate::{
-    COMMIT, VERSION,
     args::{FrameArguments, LightArguments, MachineArguments, SceneArguments, Size},
-    backend::{Cpu, Renderer},
     report::json::Run,
     talk::Talk,
+    version::{COMMIT, VERSION},
 };
 
 impl MachineArguments {
@@ -48,7 +48,7 @@ impl LightArguments {
 
 /// An opened scene.
 #[derive(Debug)]
-pub(crate) struct Opened<S = Stage> {
+pub(crate) struct Opened<S> {
     /// Ready to be rendered.
     pub(crate) stage: S,
     /// Identifies the scene's contents.
@@ -77,33 +77,25 @@ impl SceneArguments {
     }
 
     /// Loads the scene and builds what rendering needs.
-    pub(crate) fn open<R: Renderer>(
+    pub(crate) fn open<B: Backend>(
         &self,
-        renderer: &R,
+        backend: &B,
         machine: MachineArguments,
         talk: Talk,
-    ) -> anyhow::Result<Opened<R::Stage>> {
+    ) -> anyhow::Result<Opened<B::Stage>> {
         let scene = self.load(talk)?;
         let hash = format!("{:016x}", scene.content_hash());
         let camera = self.camera.clone().unwrap_or_default();
-        let stage = renderer
+        let stage = backend
             .stage(scene, &camera, machine.threads)
             .with_context(|| format!("cannot set up {}", self.text))?;
         Ok(Opened { stage, hash })
     }
 }
 
-/// Letters, digits, dots and dashes of a text; runs of anything else become one dash.
-pub(crate) fn file_name_from(text: &str) -> String {
-    let keep = |c: char| c.is_ascii_alphanumeric() || c == '.' || c == '_';
-    let words = text.split(|c| !keep(c)).filter(|word| !word.is_empty());
-    let name = words.collect::<Vec<_>>().join("-");
-    if name.is_empty() { "scene".to_owned() } else { name }
-}
-
 /// How a picture was made, for its file.
 pub(crate) fn metadata(
-    renderer: &impl Renderer,
+    backend: &impl Backend,
     scene: &SceneArguments,
     method: &Method,
     aa: Antialiasing,
@@ -115,31 +107,31 @@ pub(crate) fn metadata(
         .with("aa", aa)
         .with("shadow", settings.shadow)
         .with("seed", settings.seed)
-        .with("backend", renderer.word())
+        .with("backend", backend.name())
         .with("commit", COMMIT)
         .with("version", VERSION)
 }
 
 /// How figures of many scenes came about.
-pub(crate) fn describe_many(settings: &Settings) -> Run {
+pub(crate) fn describe_many(backend: &impl Backend, settings: &Settings) -> Run {
     let scene = SceneArguments { text: "many".to_owned(), camera: None, alpha: None };
-    describe_scene(&Cpu, &scene, String::new(), rayon::current_num_threads(), settings, 0)
+    describe_scene(backend, &scene, String::new(), rayon::current_num_threads(), settings, 0)
 }
 
 /// How figures came about, for reports.
-pub(crate) fn describe<R: Renderer>(
-    renderer: &R,
+pub(crate) fn describe<B: Backend>(
+    backend: &B,
     scene: &SceneArguments,
-    opened: &Opened<R::Stage>,
+    opened: &Opened<B::Stage>,
     settings: &Settings,
     frames: u32,
 ) -> Run {
-    let threads = renderer.threads(&opened.stage);
-    describe_scene(renderer, scene, opened.hash.clone(), threads, settings, frames)
+    let threads = backend.threads(&opened.stage);
+    describe_scene(backend, scene, opened.hash.clone(), threads, settings, frames)
 }
 
 fn describe_scene(
-    renderer: &impl Renderer,
+    backend: &impl Backend,
     scene: &SceneArguments,
     scene_hash: String,
     threads: usize,
@@ -161,8 +153,8 @@ fn describe_scene(
         first_frame: settings.first_frame,
         time_secs: settings.start_secs,
         shadow: settings.shadow.to_string(),
-        backend: renderer.word(),
-        adapter: renderer.adapter(),
+        backend: backend.name(),
+        adapter: backend.adapter(),
         seed: settings.seed,
         version: VERSION,
         commit: COMMIT,
@@ -179,16 +171,4 @@ pub(crate) fn without_repeats<T: Clone + PartialEq>(things: &[T]) -> Vec<T> {
         }
     }
     once
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn file_names_keep_what_every_file_system_takes() {
-        assert_eq!(file_name_from("std:hash=mcguire"), "std-hash-mcguire");
-        assert_eq!(file_name_from("Flügel & Tür"), "Fl-gel-T-r");
-        assert_eq!(file_name_from("…"), "scene");
-    }
 }

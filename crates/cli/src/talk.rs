@@ -7,6 +7,7 @@ use std::{
 };
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use sheer_lab::Progress;
 
 /// How much is said.
 #[derive(Clone, Copy, Debug)]
@@ -33,24 +34,61 @@ impl Talk {
         }
     }
 
-    /// A count of frames, where no one knows how many there will be; on a terminal only.
-    pub(crate) fn frames(self) -> ProgressBar {
-        let target = if self.quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
-        let style = ProgressStyle::with_template("{msg}{spinner} {pos} frames, {elapsed}");
-        let style = style.expect("the template names known fields");
-        let bar = ProgressBar::with_draw_target(None, target).with_style(style);
-        bar.enable_steady_tick(Duration::from_millis(500));
-        bar
+    /// A bar with the time left; on a terminal only.
+    pub(crate) fn bar(self) -> Bar {
+        let template = "{msg}{wide_bar} {pos}/{len}  {eta} left";
+        self.show(Some(0), template)
     }
 
-    /// A bar with the time left; on a terminal only.
-    pub(crate) fn progress(self, steps: u64) -> ProgressBar {
+    /// A count of frames, where no one knows how many there will be; on a terminal only.
+    pub(crate) fn counter(self) -> Bar {
+        self.show(None, "{msg}{spinner} {pos} frames, {elapsed}")
+    }
+
+    fn show(self, length: Option<u64>, template: &str) -> Bar {
         // indicatif draws nothing where stderr is not a terminal.
         let target = if self.quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
-        let style = ProgressStyle::with_template("{msg}{wide_bar} {pos}/{len}  {eta} left");
-        let style = style.expect("the template names known fields").progress_chars("━╸ ");
-        let bar = ProgressBar::with_draw_target(Some(steps), target).with_style(style);
+        let style = ProgressStyle::with_template(template).expect("the template names known fields");
+        let bar = ProgressBar::with_draw_target(length, target).with_style(style.progress_chars("━╸ "));
         bar.enable_steady_tick(Duration::from_millis(500));
-        bar
+        Bar { talk: self, bar }
+    }
+}
+
+/// How far something is, on a terminal; gone when dropped.
+#[derive(Debug)]
+pub(crate) struct Bar {
+    talk: Talk,
+    bar: ProgressBar,
+}
+
+impl Progress for Bar {
+    fn expect(&self, steps: u64) {
+        // What only counts has no length.
+        if self.bar.length().is_some() {
+            self.bar.inc_length(steps);
+        }
+    }
+
+    fn name(&self, what: &str) {
+        self.bar.set_message(format!("{what:<18}"));
+    }
+
+    fn step(&self) {
+        self.bar.inc(1);
+    }
+
+    fn note(&self, text: &str) {
+        self.bar.suspend(|| self.talk.note(text));
+    }
+
+    fn warn(&self, text: &str) {
+        self.bar.suspend(|| self.talk.warn(text));
+    }
+}
+
+impl Drop for Bar {
+    fn drop(&mut self) {
+        self.bar.finish_and_clear();
     }
 }

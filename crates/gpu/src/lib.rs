@@ -1,6 +1,7 @@
 //! The GPU backend: the same scenes, the same methods and the same pictures as on the CPU, by ray query or by raster through wgpu.
 
 mod accel;
+mod backend;
 mod device;
 mod error;
 mod frame;
@@ -22,6 +23,7 @@ mod tests;
 mod timing;
 
 pub use crate::{
+    backend::GpuBackend,
     device::{AdapterChoice, AdapterReport, Gpu, Tracer, adapters},
     error::GpuError,
     pipeline::{GpuPath, GpuPathChoice, GpuPipeline},

@@ -51,6 +51,21 @@ pub enum GpuPathChoice {
     Raster,
 }
 
+impl GpuPathChoice {
+    /// All, in the order in which they are listed.
+    pub const ALL: [Self; 3] = [Self::Automatic, Self::Ray, Self::Raster];
+
+    /// The name by which the backend is asked for.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Automatic => "gpu",
+            Self::Ray => "gpu:ray",
+            Self::Raster => "gpu:raster",
+        }
+    }
+}
+
 /// Counters of a frame, in the order of shaders/shared/counters.wgsl.
 const COUNTER_COUNT: usize = 5;
 const COUNTER_BYTES: u64 = 4 * COUNTER_COUNT as u64;

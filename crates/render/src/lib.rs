@@ -19,6 +19,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+pub mod backend;
 mod clock;
 pub mod contract;
 mod cost;
@@ -32,6 +33,7 @@ mod stage;
 pub mod temporal;
 
 pub use crate::{
+    backend::Backend,
     clock::Clock,
     cost::{Counters, StepTime, Timings},
     error::RenderError,

@@ -3,13 +3,13 @@
 use sheer_gpu::{AdapterReport, GpuError, adapters};
 
 use crate::{
-    COMMIT, VERSION,
     args::DevicesArguments,
     output::{self, TextOutput},
     report::{
         json::{self, Device, Devices},
         table::Table,
     },
+    version::{COMMIT, VERSION},
 };
 
 pub(crate) fn run(arguments: &DevicesArguments) -> anyhow::Result<()> {

@@ -1,15 +1,18 @@
 //! `sheer render`: a picture or a sequence of frames.
 
-use std::path::{Path, PathBuf};
+use std::{
+    path::{Path, PathBuf},
+    slice,
+};
 
-use sheer_render::{Antialiasing, Clock};
+use sheer_lab::{Event, LabError, Progress as _, Tally, Timeline, play};
+use sheer_render::{Antialiasing, Backend};
 
 use crate::{
     args::{DEFAULT_SIZE, RenderArguments},
-    backend::{Renderer, Task},
+    backend::Task,
     output::{self, PictureOutput},
     setup,
-    tally::Tally,
 };
 
 pub(crate) fn run(arguments: &RenderArguments) -> anyhow::Result<()> {
@@ -17,12 +20,12 @@ pub(crate) fn run(arguments: &RenderArguments) -> anyhow::Result<()> {
 }
 
 impl Task for RenderArguments {
-    fn run_on(&self, renderer: &impl Renderer) -> anyhow::Result<()> {
-        render(self, renderer)
+    fn run_on<B: Backend + 'static>(&self, backend: &B) -> anyhow::Result<()> {
+        render(self, backend)
     }
 }
 
-fn render(arguments: &RenderArguments, renderer: &impl Renderer) -> anyhow::Result<()> {
+fn render<B: Backend>(arguments: &RenderArguments, backend: &B) -> anyhow::Result<()> {
     let talk = arguments.machine.apply()?;
     let settings = arguments.light.under(arguments.frames.settings(DEFAULT_SIZE));
     let antialiasing = arguments.antialiasing;
@@ -36,23 +39,32 @@ fn render(arguments: &RenderArguments, renderer: &impl Renderer) -> anyhow::Resu
     };
     output.check(settings.first_frame)?;
 
-    let mut stage = arguments.scene.open(renderer, arguments.machine, talk)?.stage;
-    let mut pipeline = renderer.pipeline(&arguments.method, antialiasing, settings)?;
-    renderer.notes(&pipeline).iter().for_each(|note| talk.warn(note));
-    let clock = Clock::new(&settings, antialiasing);
-    let metadata = setup::metadata(renderer, &arguments.scene, &arguments.method, antialiasing, &settings);
+    let mut stage = arguments.scene.open(backend, arguments.machine, talk)?.stage;
+    let mut pipeline = backend.pipeline(&arguments.method, antialiasing, settings)?;
+    backend.notes(&pipeline).iter().for_each(|note| talk.warn(note));
+    let metadata = setup::metadata(backend, &arguments.scene, &arguments.method, antialiasing, &settings);
     let mut tally = Tally::default();
-    let progress = talk.progress(u64::from(frame_count));
-    for index in 0..frame_count {
-        renderer.advance(&mut stage, clock.at(index))?;
-        tally.add(renderer.render(&mut pipeline, &mut stage, index)?);
-        if is_sequence || index + 1 == frame_count {
-            let frame = settings.first_frame + index;
-            output.write(frame, &*renderer.planes(&pipeline)?, &metadata.clone().with("frame", frame))?;
+    let bar = talk.bar();
+    bar.expect(u64::from(frame_count));
+    let timeline = Timeline::of(&settings, antialiasing, frame_count);
+    play(backend, &mut stage, slice::from_mut(&mut pipeline), timeline, |event| {
+        match event {
+            Event::Rendered { cost, .. } => tally.add(cost),
+            Event::Frame { index, pipelines } => {
+                if is_sequence || index + 1 == frame_count {
+                    let planes = backend
+                        .planes(&pipelines[0])
+                        .map_err(|error| LabError::of_backend(backend, error))?;
+                    let frame = settings.first_frame + index;
+                    let written = output.write(frame, &planes, &metadata.clone().with("frame", frame));
+                    written.map_err(|error| LabError::Output(error.into()))?;
+                }
+                bar.step();
+            }
         }
-        progress.inc(1);
-    }
-    progress.finish_and_clear();
+        Ok(())
+    })?;
+    drop(bar);
 
     let [width, height] = settings.size;
     let pixels = f64::from(width) * f64::from(height);

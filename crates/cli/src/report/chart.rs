@@ -1,8 +1,10 @@
 //! Charts of lines and dots: where things go. The pages draw them.
 
 use serde::Serialize;
-
-use super::table::number;
+use sheer_lab::{
+    number,
+    plot::{Axis, Mark, Plot, Series},
+};
 
 /// Width of a character of a name, in the units of the drawings, in which text is 12 high: generous, as fonts differ.
 const CHARACTER: f64 = 7.5;
@@ -17,99 +19,6 @@ const RIGHT: f64 = 18.0;
 const MOST_RIGHT: f64 = 260.0;
 /// From the end of a line or the middle of a dot to its name.
 const GAP: f64 = 10.0;
-
-/// What a chart shows.
-#[derive(Clone, Debug)]
-pub(crate) struct Plot {
-    /// For those who do not see it.
-    pub(crate) description: String,
-    /// The horizontal axis.
-    pub(crate) x: Axis,
-    /// The vertical axis.
-    pub(crate) y: Axis,
-    /// Colours go by their order.
-    pub(crate) series: Vec<Series>,
-}
-
-/// An axis: linear, as wide as the values need.
-#[derive(Clone, Debug)]
-pub(crate) struct Axis {
-    title: String,
-    is_logarithmic: bool,
-    begins_at_zero: bool,
-    counts: bool,
-}
-
-impl Axis {
-    /// The title says the unit.
-    pub(crate) fn new(title: &str) -> Self {
-        Self { title: title.to_owned(), is_logarithmic: false, begins_at_zero: false, counts: false }
-    }
-
-    /// Equal ratios take equal space; what is not above 0 is left out.
-    pub(crate) fn logarithmic(self) -> Self {
-        Self { is_logarithmic: true, ..self }
-    }
-
-    /// Shows the zero, whatever the values.
-    pub(crate) fn with_zero(self) -> Self {
-        Self { begins_at_zero: true, ..self }
-    }
-
-    /// Has whole numbers only.
-    pub(crate) fn of_counts(self) -> Self {
-        Self { counts: true, ..self }
-    }
-
-    fn has(&self, value: f64) -> bool {
-        value.is_finite() && (value > 0.0 || !self.is_logarithmic)
-    }
-}
-
-/// Values under one name.
-#[derive(Clone, Debug)]
-pub(crate) struct Series {
-    name: String,
-    mark: Mark,
-    marks_points: bool,
-    points: Vec<[f64; 2]>,
-    band: Vec<[f64; 3]>,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Mark {
-    Line,
-    Dots,
-    Guide,
-}
-
-impl Series {
-    /// Points joined from left to right. Where a coordinate is not finite, the line is broken.
-    pub(crate) fn line(name: &str, points: impl IntoIterator<Item = [f64; 2]>) -> Self {
-        let points = points.into_iter().collect();
-        Self { name: name.to_owned(), mark: Mark::Line, marks_points: false, points, band: Vec::new() }
-    }
-
-    /// Points by themselves, the last with the name.
-    pub(crate) fn dots(name: &str, points: impl IntoIterator<Item = [f64; 2]>) -> Self {
-        Self { mark: Mark::Dots, ..Self::line(name, points) }
-    }
-
-    /// A line to compare with, in the background.
-    pub(crate) fn guide(name: &str, points: impl IntoIterator<Item = [f64; 2]>) -> Self {
-        Self { mark: Mark::Guide, ..Self::line(name, points) }
-    }
-
-    /// Marks the points of a line.
-    pub(crate) fn with_dots(self) -> Self {
-        Self { marks_points: true, ..self }
-    }
-
-    /// Shades an area from the second to the third number above the first: least to most, or an interval.
-    pub(crate) fn with_band(self, band: impl IntoIterator<Item = [f64; 3]>) -> Self {
-        Self { band: band.into_iter().collect(), ..self }
-    }
-}
 
 /// A plot, laid out for wide and for narrow pages.
 #[derive(Debug, Serialize)]

@@ -3,37 +3,14 @@
 use std::fmt::Write as _;
 
 use serde::Serialize;
+use sheer_image::{Metadata, encode_png};
+use sheer_lab::{
+    Figures,
+    experiments::{Claim, Experiment, Findings},
+};
+use sheer_render::Backend;
 
-use super::{chart::Plot, figures::Figures, json::Run};
-
-/// What an experiment found.
-#[derive(Debug, Default)]
-pub(crate) struct Findings {
-    /// What was to be seen.
-    pub(crate) claims: Vec<Claim>,
-    /// Commands that make the figures again.
-    pub(crate) commands: Vec<String>,
-    /// Captions and tables.
-    pub(crate) tables: Vec<(String, Figures)>,
-    /// Captions and charts.
-    pub(crate) plots: Vec<(String, Plot)>,
-    /// Pictures to be compared.
-    pub(crate) pictures: Vec<Picture>,
-}
-
-/// Something that the paper or we say, and whether the measurement bears it out.
-#[derive(Clone, Debug, Serialize)]
-pub(crate) struct Claim {
-    pub(crate) text: String,
-    pub(crate) holds: bool,
-}
-
-/// A picture with its name.
-#[derive(Clone, Debug)]
-pub(crate) struct Picture {
-    pub(crate) label: String,
-    pub(crate) png: Vec<u8>,
-}
+use super::{json::Run, table::Table};
 
 /// An experiment that was made.
 #[derive(Debug)]
@@ -47,6 +24,8 @@ pub(crate) struct Section {
     /// What is done, and where and why the outcome differs from the paper's.
     pub(crate) account: &'static str,
     pub(crate) findings: Findings,
+    /// The pictures of the findings as PNG.
+    pub(crate) pictures_png: Vec<Vec<u8>>,
 }
 
 /// All that were made in a run.
@@ -123,6 +102,24 @@ impl Experiments {
 }
 
 impl Section {
+    /// Encodes the pictures.
+    ///
+    /// # Errors
+    /// There is no memory for them.
+    pub(crate) fn new<B: Backend>(experiment: &Experiment<B>, findings: Findings) -> anyhow::Result<Self> {
+        let &Experiment { id, title, source, account, .. } = experiment;
+        let pictures = findings.pictures.iter();
+        let pictures_png = pictures.map(|picture| encode_png(&picture.image, &Metadata::default()));
+        Ok(Self {
+            id,
+            title,
+            source,
+            account,
+            pictures_png: pictures_png.collect::<Result<_, _>>()?,
+            findings,
+        })
+    }
+
     /// Name of a picture's file.
     pub(crate) fn picture_file(&self, at: usize) -> String {
         format!("{}-{}.png", self.id, at + 1)
@@ -143,7 +140,7 @@ impl Section {
             let _ = write!(text, "\n```sh\n{}\n```\n", commands.join("\n"));
         }
         for (caption, figures) in tables {
-            let _ = write!(text, "\n{caption}\n\n```text\n{}```\n", figures.text());
+            let _ = write!(text, "\n{caption}\n\n```text\n{}```\n", Table::of(figures).text());
         }
         for (at, (caption, plot)) in plots.iter().enumerate() {
             let _ =

@@ -1,6 +1,8 @@
 //! Machine-readable reports. Names and types are the contract of `report.json` and of what `bench`, `verify` and `devices` write with `--json`.
 
 use serde::Serialize;
+use sheer_lab::{Measured, Tally, verify::Check};
+use sheer_render::Method;
 
 /// How figures came about, in front of every report.
 #[derive(Clone, Debug, Serialize)]
@@ -85,6 +87,31 @@ pub(crate) struct ComparisonRow {
     pub(crate) merged_per_pixel: f64,
 }
 
+impl ComparisonRow {
+    /// What is told of a method to programs.
+    pub(crate) fn new(measured: &Measured) -> Self {
+        Self {
+            method: measured.method.to_string(),
+            aa: measured.antialiasing.to_string(),
+            ms_median: measured.ms_median,
+            ms_min: measured.ms_min,
+            ms_max: measured.ms_max,
+            ssim: measured.ssim,
+            psnr_db: measured.psnr_db,
+            tpsnr_db: measured.tpsnr_db,
+            vdp_jod: measured.vdp_jod,
+            flip: Some(measured.flip),
+            flicker: measured.flicker,
+            bias: measured.bias,
+            rms: measured.rms,
+            shaded_per_pixel: measured.shaded_per_pixel,
+            hits_per_pixel: measured.hits_per_pixel,
+            memory_bytes_per_pixel: measured.memory_bytes_per_pixel,
+            merged_per_pixel: measured.merged_per_pixel,
+        }
+    }
+}
+
 /// `sheer bench --json`.
 #[derive(Debug, Serialize)]
 pub(crate) struct Benchmark {
@@ -119,6 +146,27 @@ pub(crate) struct BenchmarkRow {
     /// The passes of a frame by the GPU's own clock, in order; missing where it has none and on the processor.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(crate) steps: Vec<Step>,
+}
+
+impl BenchmarkRow {
+    /// What the frames of a method cost, beside those of the first one.
+    pub(crate) fn new(method: &Method, tally: &Tally, first: &Tally) -> Self {
+        Self {
+            method: method.to_string(),
+            ms: tally.frame_ms(),
+            ms_median: tally.ms(0.5),
+            ms_min: tally.ms(0.0),
+            ms_max: tally.ms(1.0),
+            ms_spread: tally.ms(0.75) - tally.ms(0.25),
+            ratio: tally.ms(0.5) / first.ms(0.5),
+            build_ms_median: tally.build_ms(),
+            shadow_ms_median: tally.shadow_ms(),
+            rays: tally.rays(),
+            shaded: tally.shaded(),
+            mray_per_s: tally.mray_per_s(),
+            steps: tally.steps().map(|(name, ms_median)| Step { name, ms_median }).collect(),
+        }
+    }
 }
 
 /// A pass of a frame.
@@ -169,33 +217,6 @@ pub(crate) struct Verification {
     pub(crate) version: &'static str,
     pub(crate) commit: &'static str,
     pub(crate) checks: Vec<Check>,
-}
-
-/// One figure of a paper or property of a method.
-#[derive(Clone, Debug, Serialize)]
-pub(crate) struct Check {
-    pub(crate) name: String,
-    /// Paper and place in it, or what else demands it.
-    pub(crate) source: String,
-    /// What theory gives.
-    pub(crate) closed_form: Option<Value>,
-    /// What the paper prints.
-    pub(crate) paper: Option<Value>,
-    /// What this program gives.
-    pub(crate) measured: Option<Value>,
-    /// How many samples that rests on; null where it is counted rather than sampled.
-    pub(crate) samples: Option<u64>,
-    /// Standard errors between closed form and measurement; null where nothing is random.
-    pub(crate) z: Option<f64>,
-    pub(crate) pass: bool,
-}
-
-/// A number or a colour.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-#[serde(untagged)]
-pub(crate) enum Value {
-    Number(f64),
-    Colour([f64; 3]),
 }
 
 /// A report as text with a final line break.

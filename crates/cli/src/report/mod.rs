@@ -3,9 +3,7 @@
 pub(crate) mod benchmark;
 pub(crate) mod calibration;
 pub(crate) mod chart;
-pub(crate) mod comparison;
 pub(crate) mod experiments;
-pub(crate) mod figures;
 pub(crate) mod json;
 pub(crate) mod listing;
 pub(crate) mod page;

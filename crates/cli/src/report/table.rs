@@ -1,5 +1,7 @@
 //! Tables for terminals.
 
+use sheer_lab::Figures;
+
 /// Lines of cells under a heading, columns lined up: the first to the left, the others to the right.
 #[derive(Debug)]
 pub(crate) struct Table {
@@ -10,6 +12,13 @@ impl Table {
     /// A table with a heading and no lines.
     pub(crate) fn new(heading: &[&str]) -> Self {
         Self { lines: vec![heading.iter().map(|&cell| cell.to_owned()).collect()] }
+    }
+
+    /// Figures of any kind.
+    pub(crate) fn of(figures: &Figures) -> Self {
+        let mut table = Self::new(&figures.titles().collect::<Vec<_>>());
+        figures.rows().for_each(|row| table.add(row.map(str::to_owned).collect()));
+        table
     }
 
     /// Adds a line of as many cells as the heading has.
@@ -36,19 +45,6 @@ impl Table {
     }
 }
 
-/// A number with so many decimals, or a dash where there is none.
-pub(crate) fn number(value: impl Into<Option<f64>>, decimals: usize) -> String {
-    match value.into() {
-        // Rounding takes small negative numbers to a zero that has no sign.
-        Some(value) if value.is_finite() => {
-            let text = format!("{value:.decimals$}");
-            let is_zero = text.bytes().all(|byte| b"-0.".contains(&byte));
-            if is_zero { text.trim_start_matches('-').to_owned() } else { text }
-        }
-        _ => "–".to_owned(),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -59,13 +55,5 @@ mod tests {
         table.add(vec!["std".to_owned(), "7.5".to_owned()]);
         table.add(vec!["über".to_owned(), "–".to_owned()]);
         assert_eq!(table.text(), "method   ms\nstd     7.5\nüber      –\n");
-    }
-
-    #[test]
-    fn numbers_that_round_to_zero_have_no_sign_and_missing_ones_a_dash() {
-        assert_eq!(
-            [number(-0.000_01, 2), number(None, 2), number(f64::NAN, 1), number(-1.25, 1)],
-            ["0.00", "–", "–", "-1.2"]
-        );
     }
 }

@@ -1,12 +1,15 @@
 //! `sheer bench --html`: what methods cost.
 
 use serde::Serialize;
+use sheer_lab::{
+    Figures,
+    plot::{Axis, Plot, Series},
+};
 
 use super::fill;
 use crate::report::{
     benchmark::{figures, passes},
-    chart::{Axis, Chart, Plot, Series},
-    figures::Figures,
+    chart::Chart,
     json::{Benchmark, Run},
 };
 

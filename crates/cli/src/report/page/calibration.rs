@@ -1,14 +1,14 @@
 //! `sheer calibrate --html`: opacities wanted, measured and corrected.
 
 use serde::Serialize;
+use sheer_lab::{
+    Figures,
+    calibrate::{Calibration, Level},
+    plot::{Axis, Plot, Series},
+};
 
 use super::{data_uri, fill};
-use crate::report::{
-    calibration::{Calibration, Level},
-    chart::{Axis, Chart, Plot, Series},
-    figures::Figures,
-    json::Run,
-};
+use crate::report::{calibration::Report, chart::Chart, json::Run};
 
 #[derive(Serialize)]
 struct Context<'a> {
@@ -23,17 +23,17 @@ struct Context<'a> {
 }
 
 /// The page as text; the picture is the last frame as PNG.
-pub(crate) fn text(calibration: &Calibration, picture_png: &[u8]) -> anyhow::Result<String> {
+pub(crate) fn text(report: &Report, picture_png: &[u8]) -> anyhow::Result<String> {
     fill(
         "calibration.html",
         Context {
-            run: &calibration.run,
-            method: &calibration.method,
-            aa: &calibration.aa,
-            figures: calibration.figures(),
-            opacity: chart(calibration),
-            formula: calibration.formula(),
-            residual: format!("{:.4}", calibration.residual()),
+            run: &report.run,
+            method: &report.method,
+            aa: &report.aa,
+            figures: report.calibration.figures(),
+            opacity: chart(&report.calibration),
+            formula: report.formula(),
+            residual: format!("{:.4}", report.calibration.residual()),
             picture: data_uri(picture_png),
         },
     )
@@ -73,15 +73,14 @@ mod tests {
             let wanted = number as f64 / 10.0;
             Level { number, wanted, fed: wanted, measured: 0.9 * wanted, corrected: wanted }
         };
-        let calibration = |scene: &str| Calibration {
+        let report = |method: &str| Report {
             run: run_of("calibration"),
-            method: scene.to_owned(),
+            method: method.to_owned(),
             aa: "taa".to_owned(),
-            levels: (1..=10).map(level).collect(),
-            correction: Correction::DLSS,
+            calibration: Calibration { levels: (1..=10).map(level).collect(), correction: Correction::DLSS },
         };
-        assert_sound(|method| text(&calibration(method), b"png").unwrap());
-        let page = text(&calibration("std"), b"png").unwrap();
+        assert_sound(|method| text(&report(method), b"png").unwrap());
+        let page = text(&report("std"), b"png").unwrap();
         assert!(page.contains("0.0113 + 1.6560 a"), "no coefficients");
     }
 }

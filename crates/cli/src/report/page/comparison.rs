@@ -1,30 +1,46 @@
 //! `index.html` of `sheer compare`.
 
 use serde::Serialize;
+use sheer_image::{Image, Metadata, encode_png};
+use sheer_lab::{
+    Figures, Measured, figures,
+    plot::{Axis, Plot, Series},
+};
 use sheer_metrics::false_colour;
 use sheer_render::contract::MethodInfo;
 
 use super::{benchmark::time_chart, data_uri, fill};
 use crate::report::{
-    chart::{Axis, Chart, Plot, Series},
-    comparison::figures,
-    figures::Figures,
-    json::{Comparison, ComparisonRow, Run},
+    chart::Chart,
+    json::{Comparison, Run},
 };
 
 /// A method with its pictures.
 #[derive(Debug)]
 pub(crate) struct Entry {
-    /// What it is.
-    pub(crate) info: &'static MethodInfo,
-    /// Its figures.
-    pub(crate) row: ComparisonRow,
-    /// Milliseconds of each frame.
-    pub(crate) frame_ms: Vec<f64>,
-    /// The last frame as PNG.
+    /// What came of it.
+    pub(crate) measured: Measured,
+    /// Its last frame as PNG.
     pub(crate) picture_png: Vec<u8>,
     /// Its error map as PNG; the reference has none.
     pub(crate) error_png: Option<Vec<u8>>,
+}
+
+impl Entry {
+    /// Encodes the pictures.
+    ///
+    /// # Errors
+    /// There is no memory for them.
+    pub(crate) fn new(measured: Measured) -> anyhow::Result<Self> {
+        let png = |image: &Image<[u8; 4]>| encode_png(image, &Metadata::default());
+        let error_png = measured.error_map.as_ref().map(png).transpose()?;
+        Ok(Self { picture_png: png(&measured.picture)?, error_png, measured })
+    }
+
+    /// Its anti-aliasing as it was asked for.
+    fn aa(&self) -> String {
+        self.measured.antialiasing.to_string()
+    }
 }
 
 /// What the page shows.
@@ -44,9 +60,9 @@ struct Context<'a> {
     run: &'a Run,
     reference: &'a str,
     figures: Figures,
-    cards: Vec<Card<'a>>,
+    cards: Vec<Card>,
     has_several_aa: bool,
-    charts: Vec<Charts<'a>>,
+    charts: Vec<Charts>,
     explanations: Vec<Explanation>,
     legend: String,
     error_full_scale: f32,
@@ -54,10 +70,10 @@ struct Context<'a> {
 
 /// An entry as the template wants it.
 #[derive(Serialize)]
-struct Card<'a> {
+struct Card {
     id: String,
     label: String,
-    aa: &'a str,
+    aa: String,
     is_reference: bool,
     picture: String,
     error: Option<String>,
@@ -73,8 +89,8 @@ struct Explanation {
 
 /// Of the methods under one anti-aliasing; in all of them a method has the same colour.
 #[derive(Serialize)]
-struct Charts<'a> {
-    aa: &'a str,
+struct Charts {
+    aa: String,
     time: Chart,
     ssim: Chart,
     psnr: Chart,
@@ -89,7 +105,7 @@ pub(crate) fn text(page: &Page<'_>) -> anyhow::Result<String> {
     let context = Context {
         run: &page.report.run,
         reference: &page.report.reference,
-        figures: figures(page.report, has_several_aa),
+        figures: figures(page.entries.iter().map(|entry| &entry.measured), has_several_aa),
         cards: cards(page, has_several_aa),
         has_several_aa,
         charts: antialiasings(page).into_iter().map(|aa| charts(page, aa)).collect(),
@@ -100,13 +116,13 @@ pub(crate) fn text(page: &Page<'_>) -> anyhow::Result<String> {
     fill("comparison.html", context)
 }
 
-fn cards<'a>(page: &Page<'a>, has_several_aa: bool) -> Vec<Card<'a>> {
-    let card = |(index, entry): (usize, &'a Entry)| {
-        let row = &entry.row;
+fn cards(page: &Page<'_>, has_several_aa: bool) -> Vec<Card> {
+    let card = |(index, entry): (usize, &Entry)| {
+        let (method, aa) = (&entry.measured.method, entry.aa());
         Card {
             id: format!("picture-{index}"),
-            label: if has_several_aa { format!("{} · {}", row.method, row.aa) } else { row.method.clone() },
-            aa: &row.aa,
+            label: if has_several_aa { format!("{method} · {aa}") } else { method.to_string() },
+            aa,
             is_reference: entry.error_png.is_none(),
             picture: data_uri(&entry.picture_png),
             error: entry.error_png.as_deref().map(data_uri),
@@ -115,39 +131,43 @@ fn cards<'a>(page: &Page<'a>, has_several_aa: bool) -> Vec<Card<'a>> {
     page.entries.iter().enumerate().map(card).collect()
 }
 
-fn antialiasings<'a>(page: &Page<'a>) -> Vec<&'a str> {
-    let mut words: Vec<&str> = page.entries.iter().map(|entry| entry.row.aa.as_str()).collect();
+fn antialiasings(page: &Page<'_>) -> Vec<String> {
+    let mut words: Vec<String> = page.entries.iter().map(Entry::aa).collect();
     words.dedup();
     words
 }
 
-fn charts<'a>(page: &Page<'a>, aa: &'a str) -> Charts<'a> {
-    let entries = || page.entries.iter().filter(|entry| entry.row.aa == aa);
-    let lines = entries().map(|entry| (entry.row.method.as_str(), entry.frame_ms.as_slice()));
-    let quality = |title: &str, value: fn(&ComparisonRow) -> Option<f64>| {
-        let dots = |Entry { row, .. }: &Entry| {
-            Series::dots(&row.method, value(row).map(|quality| [row.ms_median, quality]))
+fn charts(page: &Page<'_>, aa: String) -> Charts {
+    let all: Vec<&Measured> =
+        page.entries.iter().filter(|entry| entry.aa() == aa).map(|entry| &entry.measured).collect();
+    let names: Vec<String> = all.iter().map(|measured| measured.method.to_string()).collect();
+    let lines = names.iter().zip(&all).map(|(name, measured)| (name.as_str(), measured.frame_ms.as_slice()));
+    let quality = |title: &str, value: fn(&Measured) -> Option<f64>| {
+        let dots = |(name, measured): (&String, &&Measured)| {
+            Series::dots(name, value(measured).map(|quality| [measured.ms_median, quality]))
         };
         let plot = Plot {
             description: format!("{title} over milliseconds of a frame, one point for each method"),
             x: Axis::new("ms").logarithmic(),
             y: Axis::new(title),
-            series: entries().map(dots).collect(),
+            series: names.iter().zip(&all).map(dots).collect(),
         };
         plot.into()
     };
     Charts {
-        aa,
         time: time_chart(page.report.run.first_frame, lines),
-        ssim: quality("SSIM", |row| Some(row.ssim)),
-        psnr: quality("PSNR dB", |row| row.psnr_db),
+        ssim: quality("SSIM", |measured| Some(measured.ssim)),
+        psnr: quality("PSNR dB", |measured| measured.psnr_db),
+        aa,
     }
 }
 
 /// Each method once, whatever its parameters.
 fn explanations(page: &Page<'_>) -> Vec<Explanation> {
     let mut explanations: Vec<Explanation> = Vec::new();
-    for MethodInfo { id, title, paper, bias, .. } in page.entries.iter().map(|entry| entry.info) {
+    for MethodInfo { id, title, paper, bias, .. } in
+        page.entries.iter().map(|entry| entry.measured.method.info())
+    {
         if !explanations.iter().any(|known| known.id == *id) {
             explanations.push(Explanation { id, title, paper, bias });
         }
@@ -167,7 +187,7 @@ fn legend() -> String {
 
 #[cfg(test)]
 mod tests {
-    use sheer_render::method::METHODS;
+    use sheer_render::Antialiasing;
 
     use super::{
         super::tests::{assert_sound, run_of},
@@ -175,9 +195,10 @@ mod tests {
     };
 
     fn page_of(scene: &str) -> String {
-        let row = |method: &str| ComparisonRow {
-            method: method.to_owned(),
-            aa: "taa".to_owned(),
+        let measured = |method: &str| Measured {
+            method: method.parse().unwrap(),
+            antialiasing: Antialiasing::Taa,
+            frame_ms: vec![1.0, 2.0],
             ms_median: 1.5,
             ms_min: 1.0,
             ms_max: 2.0,
@@ -185,7 +206,7 @@ mod tests {
             psnr_db: None,
             tpsnr_db: None,
             vdp_jod: None,
-            flip: Some(0.0),
+            flip: 0.0,
             flicker: 0.0,
             bias: 0.0,
             rms: 0.0,
@@ -193,17 +214,16 @@ mod tests {
             hits_per_pixel: 2.0,
             memory_bytes_per_pixel: 0.0,
             merged_per_pixel: 0.0,
+            picture: Image::filled(2, 1, [0; 4]).unwrap(),
+            error_map: None,
         };
         let entry = |method: &str, error_png| Entry {
-            info: &METHODS[0],
-            row: row(method),
-            frame_ms: vec![1.0, 2.0],
+            measured: measured(method),
             picture_png: b"png".to_vec(),
             error_png,
         };
         let entries = [entry("baseline", None), entry("std", Some(b"map".to_vec()))];
-        let rows = entries.iter().map(|entry| entry.row.clone()).collect();
-        let report = Comparison { run: run_of(scene), reference: "baseline".to_owned(), rows };
+        let report = Comparison { run: run_of(scene), reference: "baseline".to_owned(), rows: Vec::new() };
         text(&Page { report: &report, entries: &entries, error_full_scale: 0.25 }).unwrap()
     }
 

@@ -1,12 +1,12 @@
 //! `index.html` of `sheer experiments`.
 
 use serde::Serialize;
+use sheer_lab::{Figures, experiments::Claim};
 
 use super::{data_uri, fill};
 use crate::report::{
     chart::Chart,
-    experiments::{Claim, Experiments, Section},
-    figures::Figures,
+    experiments::{Experiments, Section},
     json::Run,
 };
 
@@ -59,7 +59,7 @@ pub(crate) fn text(report: &Experiments) -> anyhow::Result<String> {
 }
 
 fn shown(section: &Section) -> Shown<'_> {
-    let Section { id, title, source, account, findings } = section;
+    let Section { id, title, source, account, findings, pictures_png } = section;
     Shown {
         id,
         title,
@@ -76,8 +76,8 @@ fn shown(section: &Section) -> Shown<'_> {
         plots: (findings.plots.iter())
             .map(|(caption, plot)| CaptionedChart { caption, chart: plot.clone().into() })
             .collect(),
-        pictures: (findings.pictures.iter())
-            .map(|picture| EmbeddedPicture { label: &picture.label, data: data_uri(&picture.png) })
+        pictures: (findings.pictures.iter().zip(pictures_png))
+            .map(|(picture, png)| EmbeddedPicture { label: &picture.label, data: data_uri(png) })
             .collect(),
     }
 }
@@ -88,10 +88,11 @@ mod tests {
         super::tests::{assert_sound, run_of},
         *,
     };
-    use crate::report::{
-        chart::{Axis, Plot, Series},
+    use sheer_image::Image;
+    use sheer_lab::{
+        Datum,
         experiments::{Findings, Picture},
-        figures::Datum,
+        plot::{Axis, Plot, Series},
     };
 
     fn report(name: &str) -> Experiments {
@@ -112,9 +113,16 @@ mod tests {
                 Figures::of_data(&["a"], vec![vec![Datum::Word(name.to_owned())]]),
             )],
             plots: vec![(name.to_owned(), plot)],
-            pictures: vec![Picture { label: name.to_owned(), png: b"png".to_vec() }],
+            pictures: vec![Picture { label: name.to_owned(), image: Image::filled(1, 1, [0; 4]).unwrap() }],
         };
-        let section = Section { id: "one", title: "One", source: "A paper", account: "How.", findings };
+        let section = Section {
+            id: "one",
+            title: "One",
+            source: "A paper",
+            account: "How.",
+            findings,
+            pictures_png: vec![b"png".to_vec()],
+        };
         Experiments { run: run_of(name), sections: vec![section] }
     }
 

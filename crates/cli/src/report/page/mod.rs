@@ -7,8 +7,9 @@ use minijinja::{
     value::{Serde, Value},
 };
 use serde::Serialize;
+use sheer_lab::plot::Plot;
 
-use super::chart::{Chart, Plot};
+use super::chart::Chart;
 
 pub(crate) mod benchmark;
 pub(crate) mod calibration;

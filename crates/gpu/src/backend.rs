@@ -1,0 +1,106 @@
+//! A device as a [`Backend`]: what measures and compares on the processor does so on a GPU.
+
+use std::{borrow::Cow, sync::Arc};
+
+use sheer_image::Planes;
+use sheer_render::{
+    Antialiasing, Counters, Method, Moment, Settings, StepTime, Timings,
+    backend::{Backend, StepClock},
+};
+use sheer_scene::{CameraChoice, Scene};
+
+use crate::{
+    GpuError,
+    device::Gpu,
+    pipeline::{GpuPathChoice, GpuPipeline},
+    stage::GpuStage,
+};
+
+/// A device of wgpu, by rays or by raster.
+#[derive(Clone, Debug)]
+pub struct GpuBackend {
+    gpu: Arc<Gpu>,
+    path: GpuPathChoice,
+}
+
+impl GpuBackend {
+    /// An opened device and how pixels come about on it.
+    #[must_use]
+    pub fn new(gpu: Arc<Gpu>, path: GpuPathChoice) -> Self {
+        Self { gpu, path }
+    }
+}
+
+impl Backend for GpuBackend {
+    type Stage = GpuStage;
+    type Pipeline = GpuPipeline;
+    type Error = GpuError;
+
+    fn name(&self) -> &'static str {
+        self.path.name()
+    }
+
+    fn adapter(&self) -> String {
+        self.gpu.description()
+    }
+
+    fn stage(
+        &self,
+        scene: Arc<Scene>,
+        camera: &CameraChoice,
+        threads: Option<usize>,
+    ) -> Result<GpuStage, GpuError> {
+        GpuStage::new(&self.gpu, scene, camera, threads)
+    }
+
+    fn threads(&self, stage: &GpuStage) -> usize {
+        stage.threads()
+    }
+
+    fn advance(&self, stage: &mut GpuStage, moment: Moment) -> Result<(), GpuError> {
+        stage.advance(moment)
+    }
+
+    fn pipeline(
+        &self,
+        method: &Method,
+        antialiasing: Antialiasing,
+        settings: Settings,
+    ) -> Result<GpuPipeline, GpuError> {
+        GpuPipeline::new(&self.gpu, self.path, method.clone(), antialiasing, settings)
+    }
+
+    fn is_unsupported(&self, error: &GpuError) -> bool {
+        matches!(error, GpuError::Unsupported { .. })
+    }
+
+    fn render(
+        &self,
+        pipeline: &mut GpuPipeline,
+        stage: &mut GpuStage,
+        index: u32,
+    ) -> Result<(Counters, Timings), GpuError> {
+        pipeline.render(stage, index)
+    }
+
+    fn planes<'p>(&self, pipeline: &'p GpuPipeline) -> Result<Cow<'p, Planes>, GpuError> {
+        Ok(Cow::Owned(pipeline.planes()?))
+    }
+
+    fn steps<'p>(&self, pipeline: &'p GpuPipeline) -> &'p [StepTime] {
+        pipeline.steps()
+    }
+
+    fn step_clock(&self) -> StepClock {
+        StepClock::Device
+    }
+
+    fn notes<'p>(&self, pipeline: &'p GpuPipeline) -> &'p [String] {
+        pipeline.notes()
+    }
+
+    /// What has been allocated, whether it is filled or not.
+    fn bytes_per_pixel(&self, pipeline: &GpuPipeline, _: f64) -> f64 {
+        pipeline.method_bytes_per_pixel()
+    }
+}

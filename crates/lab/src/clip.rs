@@ -1,0 +1,205 @@
+//! Methods that play the same clip and are held against the exact answer.
+
+use sheer_image::{Image, Planes, ToneCurve, display, display_over_black, u8_from_unit};
+use sheer_metrics::{Flicker, TemporalPsnr, bias, error_map, flip, psnr_db, rms, ssim, video_vdp_jod};
+use sheer_render::{Antialiasing, Backend, Clock, Method, Settings};
+
+use crate::{
+    LabError, Measured, Progress, Result, Tally, Timeline,
+    play::{Event, pipelines, play},
+};
+
+/// The method that has no error, in all figures.
+pub const REFERENCE: &str = "baseline";
+/// Error of a displayed image that error maps show in their last colour.
+pub const ERROR_FULL_SCALE: f32 = 0.25;
+
+/// The methods with the reference among them, as the first unless the user placed it.
+///
+/// # Errors
+/// None: the reference is a method.
+pub fn with_reference(mut methods: Vec<Method>) -> Result<Vec<Method>> {
+    if !methods.iter().any(|method| method.to_string() == REFERENCE) {
+        methods.insert(0, REFERENCE.parse()?);
+    }
+    Ok(methods)
+}
+
+/// Frames under one anti-aliasing.
+#[derive(Clone, Copy, Debug)]
+pub struct Clip {
+    /// What all methods have in common.
+    pub settings: Settings,
+    /// How frames are added up.
+    pub antialiasing: Antialiasing,
+    /// How many frames.
+    pub frame_count: u32,
+    /// For the metric that judges a clip as a whole.
+    pub keeps_frames: bool,
+}
+
+/// What is known of a method on its way through a clip.
+#[derive(Default)]
+struct Record {
+    tally: Tally,
+    quality: Quality,
+    /// The last half of the frames as a display shows them, where they are kept.
+    shown: Vec<Image<[u8; 3]>>,
+}
+
+/// A frame as figures see it.
+struct Shown {
+    linear: Image<[f32; 3]>,
+    displayed: Image<[f32; 3]>,
+}
+
+impl Shown {
+    fn new(planes: &Planes) -> Self {
+        let linear = planes.colour.par_map(|&[r, g, b, _]| [r, g, b]);
+        Self { linear, displayed: display_over_black(&planes.colour, ToneCurve::default()) }
+    }
+
+    fn in_bytes(&self) -> Image<[u8; 3]> {
+        self.displayed.par_map(|pixel| pixel.map(u8_from_unit))
+    }
+}
+
+/// Sums over frames.
+#[derive(Default)]
+struct Quality {
+    frames: u32,
+    ssim: f64,
+    psnr_db: f64,
+    flip: f64,
+    bias: f64,
+    rms: f64,
+    flicker: Flicker<3>,
+    tpsnr: TemporalPsnr<3>,
+}
+
+impl Quality {
+    fn add(&mut self, reference: &Shown, shown: &Shown) -> Result<()> {
+        self.frames += 1;
+        self.ssim += ssim(&reference.displayed, &shown.displayed)?;
+        self.psnr_db += psnr_db(&reference.displayed, &shown.displayed)?;
+        self.flip += flip(&reference.displayed, &shown.displayed)?;
+        self.bias += bias(&reference.linear, &shown.linear)?;
+        self.rms += rms(&reference.linear, &shown.linear)?;
+        self.flicker.add(&reference.displayed, &shown.displayed)?;
+        self.tpsnr.add(&reference.displayed, &shown.displayed)?;
+        Ok(())
+    }
+
+    fn mean(&self, sum: f64) -> f64 {
+        sum / f64::from(self.frames)
+    }
+}
+
+impl Clip {
+    /// Renders all methods, the reference among them, frame by frame, and holds each against the reference; one for each method, in order.
+    ///
+    /// # Errors
+    /// What the backend says; [`LabError::Misuse`] if the reference is not among the methods.
+    pub fn play<B: Backend>(
+        &self,
+        backend: &B,
+        stage: &mut B::Stage,
+        methods: &[Method],
+        progress: &dyn Progress,
+    ) -> Result<Vec<Measured>> {
+        let reference_at = methods.iter().position(|method| method.to_string() == REFERENCE);
+        let reference_at = reference_at
+            .ok_or_else(|| LabError::Misuse(format!("{REFERENCE} has to be among the methods")))?;
+        let mut pipelines = pipelines(backend, methods, self.antialiasing, self.settings)?;
+        pipelines.iter().flat_map(|pipeline| backend.notes(pipeline)).for_each(|note| progress.warn(note));
+        let frame_of = |pipeline: &B::Pipeline| {
+            let planes = backend.planes(pipeline).map_err(|error| LabError::of_backend(backend, error))?;
+            Ok::<_, LabError>(Shown::new(&planes))
+        };
+
+        let mut records: Vec<Record> = methods.iter().map(|_| Record::default()).collect();
+        let timeline = Timeline::of(&self.settings, self.antialiasing, self.frame_count);
+        play(backend, stage, &mut pipelines, timeline, |event| {
+            match event {
+                Event::Rendered { at, cost, .. } => {
+                    records[at].tally.add(cost);
+                    progress.step();
+                }
+                // The history has settled in the last half.
+                Event::Frame { index, pipelines } if index >= self.frame_count / 2 => {
+                    let reference = frame_of(&pipelines[reference_at])?;
+                    for (record, pipeline) in records.iter_mut().zip(pipelines) {
+                        let shown = frame_of(pipeline)?;
+                        record.quality.add(&reference, &shown)?;
+                        if self.keeps_frames {
+                            record.shown.push(shown.in_bytes());
+                        }
+                    }
+                }
+                Event::Frame { .. } => {}
+            }
+            Ok(())
+        })?;
+
+        let reference = frame_of(&pipelines[reference_at])?;
+        let reference_clip = &records[reference_at].shown;
+        let measured = methods.iter().zip(&pipelines).zip(&records).enumerate();
+        let measured = measured.map(|(at, ((method, pipeline), record))| {
+            let vdp_jod = self
+                .keeps_frames
+                .then(|| video_vdp_jod(reference_clip, &record.shown, self.frames_per_sec()));
+            let reference = (at != reference_at).then_some(&reference);
+            self.measured(backend, (method, pipeline), record, reference, vdp_jod.transpose()?)
+        });
+        measured.collect()
+    }
+
+    /// At which the clip is played.
+    fn frames_per_sec(&self) -> f32 {
+        // Frames that are added up at one moment are shown as fast as those that move.
+        let moment =
+            Clock::new(&Settings { start_secs: 0.0, first_frame: 0, ..self.settings }, Antialiasing::Taa)
+                .at(1);
+        1.0 / (moment.time_secs - moment.previous_secs)
+    }
+
+    fn measured<B: Backend>(
+        &self,
+        backend: &B,
+        (method, pipeline): (&Method, &B::Pipeline),
+        Record { tally, quality, .. }: &Record,
+        reference: Option<&Shown>,
+        vdp_jod: Option<f64>,
+    ) -> Result<Measured> {
+        let planes = backend.planes(pipeline).map_err(|error| LabError::of_backend(backend, error))?;
+        let [width, height] = self.settings.size;
+        let pixels = f64::from(width) * f64::from(height);
+        let hits_per_pixel = tally.hits() / pixels;
+        let psnr_db = quality.mean(quality.psnr_db);
+        let error_map = |reference: &Shown| {
+            error_map(&reference.displayed, &Shown::new(&planes).displayed, ERROR_FULL_SCALE)
+        };
+        Ok(Measured {
+            method: method.clone(),
+            antialiasing: self.antialiasing,
+            frame_ms: tally.frame_ms(),
+            ms_median: tally.ms(0.5),
+            ms_min: tally.ms(0.0),
+            ms_max: tally.ms(1.0),
+            ssim: quality.mean(quality.ssim),
+            psnr_db: psnr_db.is_finite().then_some(psnr_db),
+            tpsnr_db: quality.tpsnr.value_db().filter(|tpsnr_db| tpsnr_db.is_finite()),
+            vdp_jod,
+            flip: quality.mean(quality.flip),
+            flicker: quality.flicker.value(),
+            bias: quality.mean(quality.bias),
+            rms: quality.mean(quality.rms),
+            shaded_per_pixel: tally.shaded() / pixels,
+            hits_per_pixel,
+            memory_bytes_per_pixel: backend.bytes_per_pixel(pipeline, hits_per_pixel),
+            merged_per_pixel: tally.merged() / pixels,
+            picture: display(&planes.colour, ToneCurve::default()),
+            error_map: reference.map(error_map).transpose()?,
+        })
+    }
+}

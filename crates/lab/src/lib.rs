@@ -1,0 +1,48 @@
+//! The laboratory: plays clips, compares methods, verifies what papers and methods promise, makes the papers' experiments again, calibrates.
+//!
+//! What is measured comes out as plain data: numbers, tables, plots, pictures. How they are written, and which backend renders, is up to
+//! the program: everything here works on any [`Backend`](sheer_render::Backend), but for the promises of [`verify`], which are the CPU's.
+//!
+//! ```
+//! use sheer_lab::{Clip, Silent, with_reference};
+//! use sheer_render::{Antialiasing, Settings, Stage, backend::Cpu};
+//!
+//! let scene = sheer_scene::open("layers:count=2,alpha=0.5")?.scene;
+//! let mut stage = Stage::new(scene, &Default::default(), None)?;
+//! let clip = Clip {
+//!     settings: Settings { size: [16, 9], ..Default::default() },
+//!     antialiasing: Antialiasing::Taa,
+//!     frame_count: 4,
+//!     keeps_frames: false,
+//! };
+//! let methods = with_reference(vec!["list".parse()?])?;
+//! let measured = clip.play(&Cpu, &mut stage, &methods, &Silent)?;
+//! assert!(measured[1].rms < 1e-3);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+pub mod calibrate;
+mod clip;
+mod cost;
+mod error;
+pub mod experiments;
+mod figures;
+mod file_name;
+mod measured;
+mod play;
+pub mod plot;
+mod progress;
+mod tally;
+pub mod verify;
+
+pub use crate::{
+    clip::{Clip, ERROR_FULL_SCALE, REFERENCE, with_reference},
+    cost::measure_cost,
+    error::{LabError, Result},
+    figures::{Column, Datum, Figures, Name, number},
+    file_name::file_name_from,
+    measured::{Measured, figures, selected_figures},
+    play::{Event, Timeline, picture, play},
+    progress::{Progress, Silent},
+    tally::Tally,
+};

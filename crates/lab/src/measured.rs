@@ -1,0 +1,177 @@
+//! What came of a method in a clip, and its figures as a table.
+
+use sheer_image::Image;
+use sheer_render::{Antialiasing, Method};
+
+use crate::figures::{Column, Figures, Name};
+
+/// What came of a method in a clip. Qualities are against the reference, means over the last half of the frames, when the history has settled.
+#[derive(Clone, Debug)]
+pub struct Measured {
+    /// With all its parameters.
+    pub method: Method,
+    /// How frames were added up.
+    pub antialiasing: Antialiasing,
+    /// Milliseconds of each frame with acceleration structure builds, without temporal anti-aliasing.
+    pub frame_ms: Vec<f64>,
+    /// Median of `frame_ms`.
+    pub ms_median: f64,
+    /// Least of `frame_ms`.
+    pub ms_min: f64,
+    /// Most of `frame_ms`.
+    pub ms_max: f64,
+    /// Structural similarity of the displayed picture; 1: equal.
+    pub ssim: f64,
+    /// Peak signal-to-noise ratio of the displayed picture, decibels; none where it equals the reference.
+    pub psnr_db: Option<f64>,
+    /// Of the differences of successive displayed frames; none where they equal those of the reference, or for one frame.
+    pub tpsnr_db: Option<f64>,
+    /// ColorVideoVDP of the displayed clip in just-objectionable differences, 10: no visible one; where frames were kept.
+    pub vdp_jod: Option<f64>,
+    /// FLIP of the displayed picture; 0: equal.
+    pub flip: f64,
+    /// Standard deviation of the displayed error over time.
+    pub flicker: f64,
+    /// Mean error in linear light, with its sign.
+    pub bias: f64,
+    /// Root mean square error in linear light.
+    pub rms: f64,
+    /// Fragments shaded for a pixel of a frame.
+    pub shaded_per_pixel: f64,
+    /// Hits tested or composited for a pixel of a frame.
+    pub hits_per_pixel: f64,
+    /// What the method stores beyond colour and depth: by its paper on the CPU, what was allocated on a GPU.
+    pub memory_bytes_per_pixel: f64,
+    /// Fragments merged for want of a place, for a pixel of a frame.
+    pub merged_per_pixel: f64,
+    /// The last frame as a display shows it: sRGB, straight alpha.
+    pub picture: Image<[u8; 4]>,
+    /// Where its error is, in false colours up to [`ERROR_FULL_SCALE`](crate::ERROR_FULL_SCALE); the reference has none.
+    pub error_map: Option<Image<[u8; 4]>>,
+}
+
+/// All figures, in the order in which they are shown.
+const COLUMNS: &[Column<Measured>] = &[
+    Column {
+        title: "ms",
+        meaning: "Median time of a frame in milliseconds: animation, acceleration structure, tracing and shading. Adding frames up over time is not counted.",
+        decimals: 1,
+        is_optional: false,
+        value: |row| Some(row.ms_median),
+    },
+    Column {
+        title: "min",
+        meaning: "Time of the fastest frame, milliseconds.",
+        decimals: 1,
+        is_optional: false,
+        value: |row| Some(row.ms_min),
+    },
+    Column {
+        title: "max",
+        meaning: "Time of the slowest frame, milliseconds.",
+        decimals: 1,
+        is_optional: false,
+        value: |row| Some(row.ms_max),
+    },
+    Column {
+        title: "SSIM",
+        meaning: "Structural similarity to the exact picture as displayed. 1 is the same picture; above 0.98 few people see a difference.",
+        decimals: 4,
+        is_optional: false,
+        value: |row| Some(row.ssim),
+    },
+    Column {
+        title: "PSNR dB",
+        meaning: "Peak signal-to-noise ratio of the displayed picture in decibels: 6 more means half the error. A dash: no error at all.",
+        decimals: 2,
+        is_optional: false,
+        value: |row| row.psnr_db,
+    },
+    Column {
+        title: "tPSNR dB",
+        meaning: "Peak signal-to-noise ratio of the change from one frame to the next in decibels: what shimmers lowers it, a steady error does not. A dash: no error at all, or a single frame.",
+        decimals: 2,
+        is_optional: false,
+        value: |row| row.tpsnr_db,
+    },
+    Column {
+        title: "VDP JOD",
+        meaning: "ColorVideoVDP: quality of the clip to a viewer before a 30 inch 4K monitor in an office. 10 is no visible difference; at 9, three in four viewers prefer the exact one.",
+        decimals: 3,
+        is_optional: true,
+        value: |row| row.vdp_jod,
+    },
+    Column {
+        title: "FLIP",
+        meaning: "Difference that an eye would notice when the two pictures alternate on a display. 0 is none, 1 the most.",
+        decimals: 4,
+        is_optional: false,
+        value: |row| Some(row.flip),
+    },
+    Column {
+        title: "flicker",
+        meaning: "How much the error changes from frame to frame: its standard deviation over time, display white being 1. A steady error does not flicker; nor does motion that the exact picture shares. Cleanest on a still clip.",
+        decimals: 4,
+        is_optional: false,
+        value: |row| Some(row.flicker),
+    },
+    Column {
+        title: "RMS",
+        meaning: "Root mean square error in linear light.",
+        decimals: 4,
+        is_optional: false,
+        value: |row| Some(row.rms),
+    },
+    Column {
+        title: "bias",
+        meaning: "Mean error in linear light with its sign, over all pixels and the last half of the frames: what remains when noise averages out. Above 0 is too bright. For a bias that is more than chance, take a still clip of 512 frames or more, whose last half has 256.",
+        decimals: 5,
+        is_optional: false,
+        value: |row| Some(row.bias),
+    },
+    Column {
+        title: "shaded/px",
+        meaning: "Fragments shaded for a pixel of a frame. Shading is what costs; one-fragment methods stay at 1 or below, since sky is not shaded.",
+        decimals: 2,
+        is_optional: false,
+        value: |row| Some(row.shaded_per_pixel),
+    },
+    Column {
+        title: "hits/px",
+        meaning: "Surfaces that the rays of a pixel met and tested or blended.",
+        decimals: 2,
+        is_optional: false,
+        value: |row| Some(row.hits_per_pixel),
+    },
+    Column {
+        title: "bytes/px",
+        meaning: "What the method stores for a pixel beyond colour and depth. On the CPU, what its paper asks of a GPU, a list without bound with the mean of its fragments; on a GPU, what was allocated.",
+        decimals: 0,
+        is_optional: false,
+        value: |row| Some(row.memory_bytes_per_pixel),
+    },
+    Column {
+        title: "merged/px",
+        meaning: "Fragments of a pixel that found no place of their own in bounded memory and were merged with others. 0 where nothing overflowed.",
+        decimals: 2,
+        is_optional: false,
+        value: |row| Some(row.merged_per_pixel),
+    },
+];
+
+/// What a row is.
+const NAMES: [Name<Measured>; 2] =
+    [("method", |row| row.method.to_string()), ("aa", |row| row.antialiasing.to_string())];
+
+/// The table; the anti-aliasing is named where it is asked for.
+#[must_use]
+pub fn figures<'r>(rows: impl IntoIterator<Item = &'r Measured>, names_aa: bool) -> Figures {
+    Figures::new(if names_aa { &NAMES } else { &NAMES[..1] }, COLUMNS, rows)
+}
+
+/// The method and the columns of these titles.
+#[must_use]
+pub fn selected_figures<'r>(rows: impl IntoIterator<Item = &'r Measured>, titles: &[&str]) -> Figures {
+    let columns = COLUMNS.iter().filter(|column| titles.contains(&column.title));
+    Figures::new(&NAMES[..1], columns, rows)
+}

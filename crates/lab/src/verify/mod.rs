@@ -1,0 +1,44 @@
+//! The papers' numbers and the methods' promises, from theory, as printed, and as measured; and whether a GPU keeps them.
+
+use crate::{Progress, Result};
+
+mod check;
+mod ends;
+mod layers;
+mod maps;
+mod picture;
+mod stacked;
+mod stochastic;
+mod threads;
+mod twins;
+mod unbiased;
+
+pub use self::{
+    check::{Check, Value, judge},
+    twins::{Twins, twins},
+};
+
+/// What papers and methods promise, kept by the CPU; not judged yet.
+///
+/// # Errors
+/// A check could not be made.
+pub fn promises(threads: Option<usize>, progress: &dyn Progress) -> Result<Vec<Check>> {
+    type Group = fn(Option<usize>) -> Result<Vec<Check>>;
+    let groups: [(&str, Group); 7] = [
+        ("threshold maps", |_| Ok(maps::checks())),
+        ("layers", layers::checks),
+        ("alpha 0 and 1", ends::checks),
+        ("threads", |_| threads::checks()),
+        ("unbiased methods", unbiased::checks),
+        ("stacked layers", stacked::checks),
+        ("stochastic", |_| stochastic::checks()),
+    ];
+    progress.expect(groups.len() as u64);
+    let mut checks = Vec::new();
+    for (name, group) in groups {
+        progress.name(name);
+        checks.extend(group(threads)?);
+        progress.step();
+    }
+    Ok(checks)
+}
