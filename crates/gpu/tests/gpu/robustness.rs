@@ -8,7 +8,7 @@ use sheer_render::{Antialiasing, Method, Settings};
 use sheer_scene::{CameraChoice, Scene};
 
 fn gpu() -> Arc<Gpu> {
-    Gpu::new(&AdapterChoice::Best).expect("the tests need a Vulkan driver: `cargo xtask test` installs one")
+    Gpu::new(&AdapterChoice::Best).expect("the tests need a Vulkan driver: `cargo xtask setup` installs one")
 }
 
 fn scene(text: &str) -> Arc<Scene> {

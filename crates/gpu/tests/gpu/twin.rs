@@ -34,7 +34,7 @@ const EDGE_PX: f32 = 1.0 / 64.0;
 const COLOUR_BOUND: f32 = 1.0 / 1024.0;
 
 static GPU: LazyLock<Arc<Gpu>> = LazyLock::new(|| {
-    Gpu::new(&AdapterChoice::Best).expect("the tests need a Vulkan driver: `cargo xtask test` installs one")
+    Gpu::new(&AdapterChoice::Best).expect("the tests need a Vulkan driver: `cargo xtask setup` installs one")
 });
 static OWN_TREE: LazyLock<Arc<Gpu>> = LazyLock::new(|| {
     Gpu::with_tracer(&AdapterChoice::Best, Some(Tracer::Bvh)).expect("the tests need a Vulkan driver")

@@ -1,0 +1,8 @@
+//! The CPU backend from outside. One binary: what links the whole of it links it once, and the tests run
+//! beside each other.
+
+mod family;
+mod methods;
+mod shadows;
+mod stochastic;
+mod thresholds;
