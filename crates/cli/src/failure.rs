@@ -6,6 +6,7 @@ use std::{
     process::ExitCode,
 };
 
+use sheer_gallery::GalleryError;
 use sheer_gpu::GpuError;
 use sheer_image::ImageError;
 use sheer_lab::LabError;
@@ -66,6 +67,7 @@ fn is_misuse_itself(cause: &(dyn Error + 'static)) -> bool {
         || cause.downcast_ref().is_some_and(is_misuse_of_lab)
         || cause.downcast_ref().is_some_and(is_misuse_of_gpu)
         || cause.downcast_ref().is_some_and(is_misuse_of_renderer)
+        || cause.downcast_ref().is_some_and(is_misuse_of_gallery)
         || cause.downcast_ref().is_some_and(is_misuse_of_scene)
         || cause.downcast_ref().is_some_and(is_misuse_of_image)
 }
@@ -77,6 +79,7 @@ fn is_misuse_of_lab(error: &LabError) -> bool {
         LabError::Misuse(_) => true,
         LabError::Backend(error) | LabError::Unsupported(error) => is_misuse_itself(error.as_ref()),
         LabError::Render(render) => is_misuse_of_renderer(render),
+        LabError::Gallery(gallery) => is_misuse_of_gallery(gallery),
         LabError::Scene(scene) => is_misuse_of_scene(scene),
         LabError::Image(image) => is_misuse_of_image(image),
         _ => false,
@@ -100,8 +103,15 @@ fn is_misuse_of_renderer(error: &RenderError) -> bool {
     }
 }
 
+fn is_misuse_of_gallery(error: &GalleryError) -> bool {
+    match error {
+        GalleryError::Unknown(_) | GalleryError::Parameter { .. } => true,
+        GalleryError::Scene(scene) => is_misuse_of_scene(scene),
+    }
+}
+
 fn is_misuse_of_scene(error: &SceneError) -> bool {
-    matches!(error, SceneError::Unknown(_) | SceneError::Parameter { .. } | SceneError::NoCamera { .. })
+    matches!(error, SceneError::UnknownFormat { .. } | SceneError::NoCamera { .. })
 }
 
 fn is_misuse_of_image(error: &ImageError) -> bool {

@@ -66,7 +66,7 @@ impl SceneArguments {
 
     /// Loads the scene.
     pub(crate) fn load(&self, talk: Talk) -> anyhow::Result<Arc<Scene>> {
-        let loaded = sheer_scene::open(&self.text)?;
+        let loaded = sheer_gallery::open(&self.text)?;
         for warning in &loaded.warnings {
             talk.warn(format_args!("{}: {warning}", self.text));
         }

@@ -24,7 +24,7 @@ fn five_hundred_frames_of_moving_geometry_take_no_more_memory_than_a_hundred() {
     let gpu = Gpu::new(&AdapterChoice::Best)
         .expect("the tests need a Vulkan driver: `cargo xtask setup` installs one");
     let file = FilePath::new(env!("CARGO_MANIFEST_DIR")).join(MOVING);
-    let scene = Arc::new(sheer_scene::open(file.to_str().unwrap()).unwrap().scene);
+    let scene = Arc::new(sheer_gallery::open(file.to_str().unwrap()).unwrap().scene);
     let mut stage = GpuStage::new(&gpu, scene, &CameraChoice::Default, None).unwrap();
     let settings = Settings { size: [64, 36], ..Settings::default() };
     let mut pipeline =

@@ -2,6 +2,7 @@
 
 use std::{error::Error, io};
 
+use sheer_gallery::GalleryError;
 use sheer_image::ImageError;
 use sheer_metrics::MetricError;
 use sheer_render::{Backend, RenderError, method::MethodError, shadow::ShadowError};
@@ -34,6 +35,9 @@ pub enum LabError {
     #[error(transparent)]
     Render(#[from] RenderError),
     /// The scene cannot be opened.
+    #[error(transparent)]
+    Gallery(#[from] GalleryError),
+    /// A scene put together for a measurement is not valid, or lacks the camera that was asked for.
     #[error(transparent)]
     Scene(#[from] SceneError),
     /// A picture does not fit into memory.

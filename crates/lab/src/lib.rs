@@ -7,7 +7,7 @@
 //! use sheer_lab::{Clip, Silent, with_reference};
 //! use sheer_render::{Antialiasing, Settings, Stage, backend::Cpu};
 //!
-//! let scene = sheer_scene::open("layers:count=2,alpha=0.5")?.scene;
+//! let scene = sheer_gallery::open("layers:count=2,alpha=0.5")?.scene;
 //! let mut stage = Stage::new(scene, &Default::default(), None)?;
 //! let clip = Clip {
 //!     settings: Settings { size: [16, 9], ..Default::default() },

@@ -136,7 +136,7 @@ mod tests {
 
     #[test]
     fn pipelines_take_turns_and_see_the_same_moments() {
-        let scene = sheer_scene::open("layers:count=1").unwrap().scene;
+        let scene = sheer_gallery::open("layers:count=1").unwrap().scene;
         let mut stage = Stage::new(scene, &Default::default(), Some(1)).unwrap();
         let settings = Settings { size: [4, 2], ..Settings::default() };
         let methods = ["std", "roulette"].map(|name| name.parse::<Method>().unwrap());
@@ -157,7 +157,7 @@ mod tests {
 
     #[test]
     fn a_stage_is_left_where_it_is_or_taken_where_it_is_told() {
-        let scene = sheer_scene::open("arena").unwrap().scene;
+        let scene = sheer_gallery::open("arena").unwrap().scene;
         let mut stage = Stage::new(scene, &Default::default(), Some(1)).unwrap();
         let settings = Settings { size: [4, 2], ..Settings::default() };
         let method = "std".parse::<Method>().unwrap();

@@ -6,7 +6,7 @@
 //! ```
 //! use sheer_render::{Antialiasing, Pipeline, Settings, Stage};
 //!
-//! let scene = sheer_scene::open("layers:count=2,alpha=0.5")?.scene;
+//! let scene = sheer_gallery::open("layers:count=2,alpha=0.5")?.scene;
 //! let mut stage = Stage::new(scene, &Default::default(), None)?;
 //! let settings = Settings { size: [8, 4], ..Default::default() };
 //! let mut pipeline = Pipeline::new("std".parse()?, Antialiasing::Accumulate, settings)?;

@@ -149,7 +149,7 @@ mod tests {
 
     #[test]
     fn edges_are_where_triangles_end_and_nowhere_else() {
-        let scene = sheer_scene::open("pane").unwrap().scene;
+        let scene = sheer_gallery::open("pane").unwrap().scene;
         let stage = Stage::new(scene, &CameraChoice::Default, Some(1)).unwrap();
         let size = [64, 36];
         let pixels = (0..36).flat_map(|y| (0..64).map(move |x| (x, y)));

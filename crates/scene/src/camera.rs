@@ -100,6 +100,22 @@ impl Camera {
         let motion = CameraMotion::Orbit { target, eye, period_secs: ORBIT_PERIOD_SECS };
         Self { name: "orbit".to_owned(), lens, motion }
     }
+
+    /// The pose at a time of a camera on a path or an orbit; `None` for one that hangs on a node, which goes where the animation takes it.
+    #[must_use]
+    pub fn pose_on_rails(&self, time_secs: f32) -> Option<CameraPose> {
+        match &self.motion {
+            CameraMotion::Node(_) => None,
+            CameraMotion::Path { keys } => {
+                let (eye, target) = along_path(keys, time_secs);
+                Some(CameraPose::looking_at(self.lens, eye, target))
+            }
+            CameraMotion::Orbit { target, eye, period_secs } => {
+                let rotation = Mat3::from_rotation_y(TAU * time_secs / period_secs);
+                Some(CameraPose::looking_at(self.lens, *target + rotation * (*eye - *target), *target))
+            }
+        }
+    }
 }
 
 impl CameraPose {
@@ -171,21 +187,6 @@ impl CameraPose {
         match self.lens {
             Lens::Perspective { .. } => self.project(self.eye() + direction_in_world, size),
             Lens::Orthographic { .. } => None,
-        }
-    }
-}
-
-/// The pose of a path or an orbit at a time; a camera on a node is posed by the frame that knows the node.
-pub(crate) fn pose_on_rails(lens: Lens, motion: &CameraMotion, time_secs: f32) -> Option<CameraPose> {
-    match motion {
-        CameraMotion::Node(_) => None,
-        CameraMotion::Path { keys } => {
-            let (eye, target) = along_path(keys, time_secs);
-            Some(CameraPose::looking_at(lens, eye, target))
-        }
-        CameraMotion::Orbit { target, eye, period_secs } => {
-            let rotation = Mat3::from_rotation_y(TAU * time_secs / period_secs);
-            Some(CameraPose::looking_at(lens, *target + rotation * (*eye - *target), *target))
         }
     }
 }

@@ -5,18 +5,13 @@ use std::path::PathBuf;
 /// Why there is no scene. Each message says where the fault is and what to do.
 #[derive(Debug, thiserror::Error)]
 pub enum SceneError {
-    /// Neither a built-in scene nor a file with a known extension.
+    /// The path has an extension of no format that can be read.
     #[error(
-        "'{0}' is neither a built-in scene nor a .gltf or .glb file; `sheer scenes` lists the built-in ones"
+        "cannot open '{path}': it is not a .gltf or .glb file (built-in scenes are those of sheer-gallery)"
     )]
-    Unknown(String),
-    /// A built-in scene's parameter is off.
-    #[error("scene '{scene}': {problem}; `sheer scenes` lists the parameters")]
-    Parameter {
-        /// Built-in name.
-        scene: String,
-        /// What is wrong, in words.
-        problem: String,
+    UnknownFormat {
+        /// As it was given.
+        path: PathBuf,
     },
     /// The file or a file it refers to cannot be read.
     #[error("cannot read {path}: {source}")]

@@ -4,13 +4,13 @@ use std::ops::{Add, Mul};
 
 use glam::{Quat, Vec3};
 
-use crate::model::{Interpolation, Keys};
+use crate::model::{Interpolation, Keys, Track};
 
-/// A value that can be blended between keys.
-pub(crate) trait Blend: Clone {
-    /// On the way from `self` to `to`, `s` in [0, 1].
+/// A value that an animation can interpolate between its keys.
+pub trait Interpolate: Clone {
+    /// The value at the share `s`, 0 to 1, of the way from `self` to `to`: straight, or along the great arc for a rotation.
     fn linear(&self, to: &Self, s: f32) -> Self;
-    /// Weighted sum of four, for splines.
+    /// The weighted sum of four values that a cubic spline asks for; a rotation comes back as a unit quaternion.
     fn sum(terms: [(&Self, f32); 4]) -> Self;
 }
 
@@ -18,7 +18,7 @@ fn weighted<T: Copy + Mul<f32, Output = T> + Add<Output = T>>([a, b, c, d]: [(&T
     *a.0 * a.1 + *b.0 * b.1 + *c.0 * c.1 + *d.0 * d.1
 }
 
-impl Blend for Vec3 {
+impl Interpolate for Vec3 {
     fn linear(&self, to: &Self, s: f32) -> Self {
         self.lerp(*to, s)
     }
@@ -27,7 +27,7 @@ impl Blend for Vec3 {
     }
 }
 
-impl Blend for Quat {
+impl Interpolate for Quat {
     fn linear(&self, to: &Self, s: f32) -> Self {
         self.slerp(*to, s)
     }
@@ -37,7 +37,7 @@ impl Blend for Quat {
     }
 }
 
-impl Blend for Vec<f32> {
+impl Interpolate for Vec<f32> {
     fn linear(&self, to: &Self, s: f32) -> Self {
         self.iter().zip(to).map(|(a, b)| a + (b - a) * s).collect()
     }
@@ -48,34 +48,53 @@ impl Blend for Vec<f32> {
 }
 
 impl<T> Keys<T> {
-    /// Time of the last key.
-    pub(crate) fn end_secs(&self) -> f32 {
+    /// Time of the last key, seconds; 0 without keys.
+    #[must_use]
+    pub fn end_secs(&self) -> f32 {
         self.times_secs.last().copied().unwrap_or(0.0)
     }
 }
 
-/// The value at a time; held before the first key and after the last.
-pub(crate) fn value_at<T: Blend>(keys: &Keys<T>, time_secs: f32) -> T {
-    let next = keys.times_secs.partition_point(|&key| key <= time_secs);
-    // Splines keep three entries a key: in-tangent, value, out-tangent.
-    let spline = keys.interpolation == Interpolation::CubicSpline;
-    let value = |key: usize| &keys.values[if spline { 3 * key + 1 } else { key }];
-    let (Some(previous), true) = (next.checked_sub(1), next < keys.times_secs.len()) else {
-        return value(next.saturating_sub(1)).clone();
-    };
-    let span_secs = keys.times_secs[next] - keys.times_secs[previous];
-    let s = (time_secs - keys.times_secs[previous]) / span_secs;
-    match keys.interpolation {
-        Interpolation::Step => value(previous).clone(),
-        Interpolation::Linear => value(previous).linear(value(next), s),
-        Interpolation::CubicSpline => {
-            let (s2, s3) = (s * s, s * s * s);
-            T::sum([
-                (value(previous), 2.0 * s3 - 3.0 * s2 + 1.0),
-                (&keys.values[3 * previous + 2], span_secs * (s3 - 2.0 * s2 + s)),
-                (value(next), 3.0 * s2 - 2.0 * s3),
-                (&keys.values[3 * next], span_secs * (s3 - s2)),
-            ])
+impl<T: Interpolate> Keys<T> {
+    /// The value at a time; held before the first key and after the last.
+    ///
+    /// # Panics
+    /// Without keys, or with fewer values than the interpolation asks for: neither occurs in a validated scene.
+    #[must_use]
+    pub fn value_at(&self, time_secs: f32) -> T {
+        let next = self.times_secs.partition_point(|&key| key <= time_secs);
+        // Splines keep three entries a key: in-tangent, value, out-tangent.
+        let spline = self.interpolation == Interpolation::CubicSpline;
+        let value = |key: usize| &self.values[if spline { 3 * key + 1 } else { key }];
+        let (Some(previous), true) = (next.checked_sub(1), next < self.times_secs.len()) else {
+            return value(next.saturating_sub(1)).clone();
+        };
+        let span_secs = self.times_secs[next] - self.times_secs[previous];
+        let s = (time_secs - self.times_secs[previous]) / span_secs;
+        match self.interpolation {
+            Interpolation::Step => value(previous).clone(),
+            Interpolation::Linear => value(previous).linear(value(next), s),
+            Interpolation::CubicSpline => {
+                let (s2, s3) = (s * s, s * s * s);
+                T::sum([
+                    (value(previous), 2.0 * s3 - 3.0 * s2 + 1.0),
+                    (&self.values[3 * previous + 2], span_secs * (s3 - 2.0 * s2 + s)),
+                    (value(next), 3.0 * s2 - 2.0 * s3),
+                    (&self.values[3 * next], span_secs * (s3 - s2)),
+                ])
+            }
+        }
+    }
+}
+
+impl Track {
+    /// Time of the last key, seconds; 0 without keys.
+    #[must_use]
+    pub fn end_secs(&self) -> f32 {
+        match self {
+            Self::Translation(keys) | Self::Scale(keys) => keys.end_secs(),
+            Self::Rotation(keys) => keys.end_secs(),
+            Self::MorphWeights(keys) => keys.end_secs(),
         }
     }
 }
@@ -91,12 +110,12 @@ mod tests {
     #[test]
     fn values_are_held_outside_the_keys_and_blended_between() {
         let linear = keys(Interpolation::Linear, vec![Vec3::ZERO, Vec3::splat(4.0)]);
-        assert_eq!(value_at(&linear, 0.0), Vec3::ZERO);
-        assert_eq!(value_at(&linear, 1.5), Vec3::ONE);
-        assert_eq!(value_at(&linear, 9.0), Vec3::splat(4.0));
+        assert_eq!(linear.value_at(0.0), Vec3::ZERO);
+        assert_eq!(linear.value_at(1.5), Vec3::ONE);
+        assert_eq!(linear.value_at(9.0), Vec3::splat(4.0));
         let step = Keys { interpolation: Interpolation::Step, ..linear };
-        assert_eq!(value_at(&step, 2.9), Vec3::ZERO);
-        assert_eq!(value_at(&step, 3.0), Vec3::splat(4.0));
+        assert_eq!(step.value_at(2.9), Vec3::ZERO);
+        assert_eq!(step.value_at(3.0), Vec3::splat(4.0));
     }
 
     #[test]
@@ -104,8 +123,8 @@ mod tests {
         let chord = Vec3::splat(2.0);
         let values = vec![Vec3::ZERO, Vec3::ZERO, chord, chord, Vec3::splat(4.0), Vec3::ZERO];
         let spline = keys(Interpolation::CubicSpline, values);
-        assert!((value_at(&spline, 1.5) - Vec3::ONE).length() < 1e-6);
-        assert_eq!(value_at(&spline, 0.0), Vec3::ZERO);
-        assert_eq!(value_at(&spline, 5.0), Vec3::splat(4.0));
+        assert!((spline.value_at(1.5) - Vec3::ONE).length() < 1e-6);
+        assert_eq!(spline.value_at(0.0), Vec3::ZERO);
+        assert_eq!(spline.value_at(5.0), Vec3::splat(4.0));
     }
 }

@@ -1,9 +1,8 @@
-//! Validated scenes: glTF files, built-in scenes, animation.
+//! Validated scenes: their parts, files that they come from, animation.
 //!
 //! A [`Scene`] is validated once and then immutable. [`Animator`] turns a scene and a time into a [`Frame`]: world-space triangles, their
-//! opacity, and surfaces to shade. Loaders live in [`load`], one file a format; built-in scenes in [`builtin`], one file a scene.
+//! opacity, and surfaces to shade. Loaders live in [`load`], one file a format; built-in scenes in a crate of their own, `sheer-gallery`.
 
-pub mod builtin;
 pub mod camera;
 mod content_hash;
 pub mod environment;
@@ -24,6 +23,7 @@ pub use crate::{
         Animator, FaceSide, Frame, FrameLight, Look, MIRRORED, NO_TEXTURE, OPAQUE, Object, SINGLE_SIDED,
         SLOT, StaticCounts, Surface, TINTED, TriangleOpacity,
     },
+    keys::Interpolate,
     load::{LoadWarning, Loaded, open},
     model::SceneParts,
     scene::{CameraChoice, Scene},

@@ -1,4 +1,4 @@
-//! The parts a scene is made of: plain data that loaders and built-in scenes fill in and [`Scene::new`](crate::Scene::new)
+//! The parts a scene is made of: plain data that loaders and programs fill in and [`Scene::new`](crate::Scene::new)
 //! validates once.
 //!
 //! Spaces: `object` is a mesh's own, `world` is right-handed with +Y up, metres. A camera and a spot or directional light look along

@@ -63,16 +63,24 @@ pub struct Turbulence {
 
 /// A particle at one moment.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Puff {
+pub struct ParticleState {
+    /// Middle of the quad, world.
     pub centre: Vec3,
+    /// Half the edge of the quad, world units.
     pub half_size: f32,
+    /// Turn of the quad in its plane, radians.
     pub rotation_rad: f32,
+    /// Opacity factor, 0 to 1, before the fade near the camera.
     pub alpha: f32,
 }
 
 impl ParticleSystem {
     /// Where particle `index` is and how opaque; `None` while it is not alive.
-    pub(crate) fn puff(&self, index: usize, time_secs: f32) -> Option<Puff> {
+    ///
+    /// # Panics
+    /// If the system has no particle of that index.
+    #[must_use]
+    pub fn state_at(&self, index: usize, time_secs: f32) -> Option<ParticleState> {
         let particle = &self.particles[index];
         let mut age_secs = time_secs - particle.birth_secs;
         if let Some(loop_secs) = self.loop_secs {
@@ -86,7 +94,7 @@ impl ParticleSystem {
         let centre = particle.origin + moved;
         let fade_in = ramp(life, 0.0, self.fade[0]);
         let fade_out = ramp(1.0 - life, 0.0, self.fade[1]);
-        Some(Puff {
+        Some(ParticleState {
             centre: centre + self.turbulence.displacement(centre, time_secs),
             half_size: particle.half_size[0] + (particle.half_size[1] - particle.half_size[0]) * life,
             rotation_rad: particle.rotation_rad + particle.spin_rad_per_sec * age_secs,

@@ -1,6 +1,6 @@
 //! `sheer scenes`: the built-in scenes.
 
-use sheer_scene::builtin::catalogue;
+use sheer_gallery::catalogue;
 
 use crate::{
     args::ListArguments,

@@ -2,8 +2,8 @@
 
 use std::process::Stdio;
 
+use sheer_gallery::catalogue;
 use sheer_render::{method::METHODS, shadow::SHADOWS};
-use sheer_scene::builtin::catalogue;
 
 use crate::run::{command, names_in, sheer, succeed};
 

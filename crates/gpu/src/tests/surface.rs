@@ -130,7 +130,7 @@ fn wrong(frame: &Frame, queries: &[Query], answers: &[Answer]) -> Vec<String> {
 fn animator(scene: &str) -> Animator {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets/gltf").join(scene);
     let text = if scene.contains('/') { path.to_str().unwrap() } else { scene };
-    let scene = Arc::new(sheer_scene::open(text).unwrap().scene);
+    let scene = Arc::new(sheer_gallery::open(text).unwrap().scene);
     let camera = scene.camera(&CameraChoice::Default).unwrap();
     Animator::new(scene, camera)
 }
@@ -194,7 +194,7 @@ fn a_frame_of_other_times_is_sent_without_new_buffers_once_there_is_room() {
 fn too_many_lights_are_told_with_what_to_do_and_the_device_lives() {
     const LIMIT: u64 = 1 << 17;
     let (device, queue) = harness::small_device(LIMIT);
-    let parts = sheer_scene::open("layers").unwrap().scene.parts().clone();
+    let parts = sheer_gallery::open("layers").unwrap().scene.parts().clone();
     let with_lights = |count| {
         let mut parts = parts.clone();
         parts.nodes.push(sheer_scene::model::Node {

@@ -254,7 +254,7 @@ fn is_near_edge(ray: &Ray, triangles: &[[Vec3; 3]]) -> bool {
 }
 
 fn scenes() -> Vec<(&'static str, Vec<[Vec3; 3]>)> {
-    let loaded = sheer_scene::open("pane").unwrap();
+    let loaded = sheer_gallery::open("pane").unwrap();
     let scene = std::sync::Arc::new(loaded.scene);
     let camera = scene.parts().cameras[0].clone();
     let animator = sheer_scene::Animator::new(scene, camera);

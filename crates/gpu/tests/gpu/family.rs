@@ -45,7 +45,7 @@ const HALF_SUMS: Bound = Bound { rms: 6e-4, most: 7.6e-3 };
 fn scene(text: &str, alpha: Option<f32>) -> Scene {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets").join(text);
     let text = if text.contains('/') { file.to_str().unwrap() } else { text };
-    let scene = sheer_scene::open(text).unwrap().scene;
+    let scene = sheer_gallery::open(text).unwrap().scene;
     match alpha {
         Some(alpha) => scene.with_alpha(alpha),
         None => scene,

@@ -14,7 +14,7 @@ fn gpu() -> Arc<Gpu> {
 fn scene(text: &str) -> Arc<Scene> {
     let file = FilePath::new(env!("CARGO_MANIFEST_DIR")).join("../../assets").join(text);
     let text = if text.contains('/') { file.to_str().unwrap() } else { text };
-    Arc::new(sheer_scene::open(text).unwrap().scene)
+    Arc::new(sheer_gallery::open(text).unwrap().scene)
 }
 
 fn settings(size: [u32; 2]) -> Settings {

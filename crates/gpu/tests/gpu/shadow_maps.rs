@@ -17,7 +17,7 @@ const SIZE: [u32; 2] = [64, 48];
 const EDGES: f64 = 0.01;
 
 fn built_in(name: &str) -> Arc<Scene> {
-    Arc::new(sheer_scene::open(name).unwrap().scene)
+    Arc::new(sheer_gallery::open(name).unwrap().scene)
 }
 
 /// A horizontal square of so much half a side, at a height; turned a little, so that no row of texels lies along its edges or diagonal, where

@@ -4,13 +4,11 @@
 use std::sync::Arc;
 
 use glam::{UVec2, Vec2};
+use sheer_gallery::{LayerColours, layers_closed_form};
 use sheer_gpu::{AdapterChoice, Gpu, GpuError, GpuPathChoice, GpuPipeline, GpuStage};
 use sheer_image::Planes;
 use sheer_render::{Antialiasing, Counters, Settings, StepTime};
-use sheer_scene::{
-    CameraChoice,
-    builtin::{LayerColours, layers_closed_form},
-};
+use sheer_scene::CameraChoice;
 
 const SIZE: [u32; 2] = [96, 64];
 
@@ -19,7 +17,7 @@ fn gpu() -> Arc<Gpu> {
 }
 
 fn scene(name: &str) -> sheer_scene::Scene {
-    let scene = sheer_scene::open(name).unwrap().scene;
+    let scene = sheer_gallery::open(name).unwrap().scene;
     if name.ends_with(".gltf") { scene.with_alpha(0.4) } else { scene }
 }
 

@@ -43,7 +43,7 @@ static OWN_TREE: LazyLock<Arc<Gpu>> = LazyLock::new(|| {
 fn scene(text: &str, alpha: Option<f32>) -> Arc<Scene> {
     let file = FilePath::new(env!("CARGO_MANIFEST_DIR")).join("../../assets").join(text);
     let text = if text.contains('/') { file.to_str().unwrap() } else { text };
-    let scene = sheer_scene::open(text).unwrap().scene;
+    let scene = sheer_gallery::open(text).unwrap().scene;
     Arc::new(match alpha {
         Some(alpha) => scene.with_alpha(alpha),
         None => scene,

@@ -1,11 +1,9 @@
 //! What adding up over time does: to sequences, to opacities, to layers.
 
 use sheer_core::threshold_map::{std_maps, threshold_index};
+use sheer_gallery::{LayerColours, layers_closed_form};
 use sheer_render::{Antialiasing, Backend, Settings};
-use sheer_scene::{
-    CameraChoice,
-    builtin::{LayerColours, layers_closed_form},
-};
+use sheer_scene::CameraChoice;
 
 use super::{
     findings::Findings,
@@ -215,7 +213,7 @@ fn exponential_error<B: Backend>(lab: &Lab<'_, B>, method: &str, count: u32, alp
     let scene = format!("layers:count={count},alpha={alpha},colours=red-green,background=1");
     let expected = layers_closed_form(count, alpha, LayerColours::RedGreen, 1.0).as_dvec3();
     let stage =
-        lab.backend.stage(sheer_scene::open(&scene)?.scene.into(), &CameraChoice::Default, lab.threads);
+        lab.backend.stage(sheer_gallery::open(&scene)?.scene.into(), &CameraChoice::Default, lab.threads);
     let mut stage = stage.map_err(|error| LabError::of_backend(lab.backend, error))?;
     let (mut sum, mut terms) = (0.0, 0_u32);
     for seed in 0..SEEDS {

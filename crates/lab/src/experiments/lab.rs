@@ -63,7 +63,7 @@ impl<B: Backend> Lab<'_, B> {
             name => CameraChoice::Named(name.to_owned()),
         };
         // What a file asks for in vain was said when the user rendered it; here it would drown the findings.
-        let loaded = sheer_scene::open(scene)?.scene;
+        let loaded = sheer_gallery::open(scene)?.scene;
         let loaded = match alpha {
             Some(alpha) => loaded.with_alpha(alpha),
             None => loaded,

@@ -10,7 +10,7 @@ use crate::{LabError, Result};
 
 /// A stage of a scene that needs no warnings.
 pub(super) fn stage(scene: &str, threads: Option<usize>) -> Result<Stage> {
-    Ok(Stage::new(sheer_scene::open(scene)?.scene, &CameraChoice::Default, threads)?)
+    Ok(Stage::new(sheer_gallery::open(scene)?.scene, &CameraChoice::Default, threads)?)
 }
 
 /// A stage of a glTF file that the binary carries, given by its files with the glTF one first, and every material as transparent as asked.
@@ -25,7 +25,7 @@ pub(super) fn stage_of_files(files: &[(&str, &[u8])], alpha: f32, threads: Optio
             "the folder of temporary files has a name that is not UTF-8: set TMPDIR".to_owned(),
         )
     })?;
-    let scene = sheer_scene::open(path)?.scene.with_alpha(alpha);
+    let scene = sheer_gallery::open(path)?.scene.with_alpha(alpha);
     Ok(Stage::new(scene, &CameraChoice::Default, threads)?)
 }
 

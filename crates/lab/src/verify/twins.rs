@@ -112,7 +112,7 @@ fn all_methods() -> Result<Vec<Method>> {
 
 fn own_scenes(alpha: Option<f32>) -> Result<Vec<(String, Arc<Scene>)>> {
     let open = |name: &str| {
-        let scene = sheer_scene::open(name)?.scene;
+        let scene = sheer_gallery::open(name)?.scene;
         let scene = match alpha {
             Some(alpha) => scene.with_alpha(alpha),
             None => scene,
@@ -217,7 +217,7 @@ impl Bounds {
 fn transmittance<B: Backend>(backend: &B, threads: Option<usize>) -> Result<Check> {
     let (count, alpha) = LAYERS;
     let text = format!("layers:count={count},alpha={alpha},colours=red-green,background=1");
-    let scene = sheer_scene::open(&text)?.scene.into();
+    let scene = sheer_gallery::open(&text)?.scene.into();
     let stage = backend.stage(scene, &CameraChoice::Default, threads);
     let mut stage = stage.map_err(|error| LabError::of_backend(backend, error))?;
     let method: Method = "stochastic:estimator=basic,correct=off".parse()?;
@@ -247,7 +247,7 @@ mod tests {
 
     /// Of the second picture against the first: whether it is near enough, and the largest difference of what is.
     fn held(methods: [&str; 2]) -> (bool, f32) {
-        let scene = sheer_scene::open(SCENES[2]).unwrap().scene;
+        let scene = sheer_gallery::open(SCENES[2]).unwrap().scene;
         let mut stage = Stage::new(scene, &CameraChoice::Default, None).unwrap();
         let methods = methods.map(|method| method.parse().unwrap());
         let [one, two] = [0, 1].map(|at| frame(&Cpu, &mut stage, &methods[at]).unwrap().0);

@@ -59,7 +59,7 @@ mod tests {
 
     #[test]
     fn the_footprint_is_the_distance_to_the_neighbours_own_hits() {
-        let scene = sheer_scene::open("layers:count=1").unwrap().scene;
+        let scene = sheer_gallery::open("layers:count=1").unwrap().scene;
         let stage = Stage::new(scene, &CameraChoice::Default, Some(1)).unwrap();
         for jitter in [Vec2::ZERO, Vec2::new(0.3, -0.2)] {
             let run = Settings { size: [64, 36], background: Background::None, ..Settings::default() };

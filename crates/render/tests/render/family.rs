@@ -6,15 +6,13 @@ use std::iter;
 use glam::Vec3;
 use proptest::prelude::{Strategy, prop, prop_assert, proptest};
 use sheer_core::hash::Pcg32;
+use sheer_gallery::{LayerColours, layers_closed_form};
 use sheer_image::Planes;
 use sheer_render::{
     Antialiasing, Counters, Method, Pipeline, Settings, Stage,
     contract::{Compositing, Fragment, MIN_VISIBILITY, Memory, PixelSite, Selection, Threshold, Visitor},
 };
-use sheer_scene::{
-    CameraChoice,
-    builtin::{LayerColours, layers_closed_form},
-};
+use sheer_scene::CameraChoice;
 
 /// No fragment is nearer or further, scene units.
 const DEPTH_RANGE: [f32; 2] = [1.0, 20.0];
@@ -390,7 +388,7 @@ fn each_method_comes_nearer_with_more_of_what_it_has() {
 
 /// Renders one frame.
 fn picture(scene: &str, method: &str) -> (Planes, Counters) {
-    let scene = sheer_scene::open(scene).unwrap().scene;
+    let scene = sheer_gallery::open(scene).unwrap().scene;
     let mut stage = Stage::new(scene, &CameraChoice::Default, Some(2)).unwrap();
     picture_of(&mut stage, method)
 }
@@ -448,7 +446,7 @@ fn stacked_layers_come_within_the_bound_of_each_method() {
 
 #[test]
 fn where_nothing_overflows_a_scene_looks_as_with_lists() {
-    let scene = sheer_scene::open("smoke-square:particles=200").unwrap().scene;
+    let scene = sheer_gallery::open("smoke-square:particles=200").unwrap().scene;
     let mut stage = Stage::new(scene, &CameraChoice::Default, Some(2)).unwrap();
     let (listed, _) = picture_of(&mut stage, "list");
     let reference: Vec<Vec3> =

@@ -3,16 +3,14 @@
 
 use glam::Vec3;
 use sheer_core::colour::Premul;
+use sheer_gallery::{LayerColours, layers_closed_form};
 use sheer_image::Planes;
 use sheer_render::{
     Antialiasing, Counters, Method, Pipeline, Settings, Stage,
     contract::MethodInfo,
     method::{Family, METHODS},
 };
-use sheer_scene::{
-    CameraChoice,
-    builtin::{LayerColours, layers_closed_form},
-};
+use sheer_scene::CameraChoice;
 
 /// Renders `frames` frames and returns the last picture and the sum of the counters.
 fn play(
@@ -23,7 +21,7 @@ fn play(
     settings: Settings,
     threads: usize,
 ) -> (Planes, Counters) {
-    let scene = sheer_scene::open(scene).unwrap().scene;
+    let scene = sheer_gallery::open(scene).unwrap().scene;
     let mut stage = Stage::new(scene, &CameraChoice::Default, Some(threads)).unwrap();
     play_on(&mut stage, method, aa, frames, settings)
 }
@@ -120,7 +118,7 @@ fn a_list_of_spread_samples_is_the_mean_of_pictures_through_each_of_them() {
 
 #[test]
 fn stochastic_methods_shade_one_fragment_a_pixel_at_most() {
-    let scene = sheer_scene::open("smoke-square:particles=400").unwrap().scene;
+    let scene = sheer_gallery::open("smoke-square:particles=400").unwrap().scene;
     let mut stage = Stage::new(scene, &CameraChoice::Default, Some(2)).unwrap();
     for info in one_fragment_methods() {
         let (_, counters) = play_on(&mut stage, info.id, Antialiasing::None, 1, small(64, 36));
@@ -134,7 +132,7 @@ fn stochastic_methods_shade_one_fragment_a_pixel_at_most() {
 fn averaging_error(method: &str, count: u32, alpha: f32) -> f32 {
     let scene = format!("layers:count={count},alpha={alpha},colours=red-green,background=1");
     let expected = layers_closed_form(count, alpha, LayerColours::RedGreen, 1.0);
-    let scene = sheer_scene::open(&scene).unwrap().scene;
+    let scene = sheer_gallery::open(&scene).unwrap().scene;
     let stage = Stage::new(scene, &CameraChoice::Default, Some(2)).unwrap();
     let (mut sum, mut terms) = (0.0, 0.0_f32);
     for seed in 0..4 {
@@ -199,7 +197,7 @@ fn a_still_pixel_converges_as_the_golden_ratio_moves_its_blue_noise() {
 #[test]
 fn a_hybrid_of_1_is_the_pure_method_and_one_of_0_the_baseline_to_the_bit() {
     let settings = Settings { start_secs: 6.0, ..small(48, 27) };
-    let scene = sheer_scene::open("smoke-square:particles=400").unwrap().scene;
+    let scene = sheer_gallery::open("smoke-square:particles=400").unwrap().scene;
     let mut stage = Stage::new(scene, &CameraChoice::Default, Some(2)).unwrap();
     let mut picture = |method: &str| play_on(&mut stage, method, Antialiasing::None, 1, settings);
     let (baseline, exact_cost) = picture("baseline");
@@ -218,7 +216,7 @@ fn a_hybrid_of_1_is_the_pure_method_and_one_of_0_the_baseline_to_the_bit() {
 #[test]
 fn a_correction_of_none_changes_no_bit_and_one_of_eq_5_does() {
     let mut stage = Stage::new(
-        sheer_scene::open("layers:count=1,alpha=0.5,colours=white,background=0").unwrap().scene,
+        sheer_gallery::open("layers:count=1,alpha=0.5,colours=white,background=0").unwrap().scene,
         &CameraChoice::Default,
         Some(2),
     )
@@ -236,7 +234,7 @@ fn a_correction_of_none_changes_no_bit_and_one_of_eq_5_does() {
 #[test]
 fn a_hybrid_comes_nearer_to_the_baseline_with_each_fragment_it_shades() {
     let settings = Settings { start_secs: 6.0, ..small(40, 22) };
-    let scene = sheer_scene::open("smoke-square:particles=400").unwrap().scene;
+    let scene = sheer_gallery::open("smoke-square:particles=400").unwrap().scene;
     let mut stage = Stage::new(scene, &CameraChoice::Default, Some(2)).unwrap();
     let mut picture = |method: &str| play_on(&mut stage, method, Antialiasing::Accumulate, 6, settings);
     let (exact, _) = picture("baseline");
@@ -259,7 +257,7 @@ fn a_hybrid_of_roulette_is_unbiased_in_every_pixel() {
     const FRAMES: u32 = 64;
     let scene = "layers:count=8,alpha=0.2,colours=rainbow,background=0.25";
     let expected = layers_closed_form(8, 0.2, LayerColours::Rainbow, 0.25);
-    let scene = sheer_scene::open(scene).unwrap().scene;
+    let scene = sheer_gallery::open(scene).unwrap().scene;
     let stage = Stage::new(scene, &CameraChoice::Default, Some(2)).unwrap();
     // Sum over pixels of the squared z of their means, in standard deviations from its expectation; and the largest z.
     let deviation = |method: &str| {
@@ -307,7 +305,7 @@ fn a_limit_of_layers_bounds_what_a_hybrid_shades() {
 
 #[test]
 fn alignment_changes_what_taa_makes_of_motion_and_nothing_else() {
-    let scene = sheer_scene::open("pane").unwrap().scene;
+    let scene = sheer_gallery::open("pane").unwrap().scene;
     let camera = CameraChoice::Named("path".to_owned());
     let mut stage = Stage::new(scene, &camera, Some(2)).unwrap();
     let mut picture = |method: &str, aa| play_on(&mut stage, method, aa, 6, small(64, 36)).0;
@@ -339,7 +337,7 @@ fn both_ends_of_alpha_are_exact_for_every_method() {
 #[test]
 fn any_number_of_threads_gives_the_same_bits() {
     let stage = |threads| {
-        let scene = sheer_scene::open("smoke-square:particles=400").unwrap().scene;
+        let scene = sheer_gallery::open("smoke-square:particles=400").unwrap().scene;
         Stage::new(scene, &CameraChoice::Default, Some(threads)).unwrap()
     };
     let mut stages = [1, 2].map(stage);

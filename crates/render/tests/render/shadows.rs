@@ -307,7 +307,7 @@ fn coloured_glass_casts_coloured_shadows() {
 #[test]
 fn any_number_of_threads_gives_the_same_bits() {
     let mut stages = [1, 2].map(|threads| {
-        let scene = sheer_scene::open("smoke-square:particles=200").unwrap().scene;
+        let scene = sheer_gallery::open("smoke-square:particles=200").unwrap().scene;
         Stage::new(scene, &CameraChoice::Default, Some(threads)).unwrap()
     });
     let mut render = |technique: &str| {

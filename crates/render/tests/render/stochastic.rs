@@ -40,7 +40,7 @@ impl Moments {
 }
 
 fn stage(scene: &str, alpha: Option<f32>, threads: usize) -> Stage {
-    let scene = sheer_scene::open(scene).unwrap().scene;
+    let scene = sheer_gallery::open(scene).unwrap().scene;
     let scene = if let Some(alpha) = alpha { scene.with_alpha(alpha) } else { scene };
     Stage::new(scene, &CameraChoice::Default, Some(threads)).unwrap()
 }

@@ -1,14 +1,12 @@
 //! What the threshold methods promise of their thresholds: spread, stratification, and how stacked layers mask one another.
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
+use sheer_gallery::{LayerColours, layers_closed_form};
 use sheer_render::{
     Antialiasing, Method, Pipeline, Settings, Stage,
     contract::{Compositing, Selection, Site, Tables, Threshold, Visitor, keeps},
 };
-use sheer_scene::{
-    CameraChoice,
-    builtin::{LayerColours, layers_closed_form},
-};
+use sheer_scene::CameraChoice;
 
 /// The threshold of a method at one site.
 struct At<'a>(&'a Site<1>);
@@ -166,7 +164,7 @@ fn a_slightly_skewed_threshold_fails_the_test_of_uniformity() {
 fn hashed_layers_converge_to_the_closed_form() {
     const FRAMES: u32 = 200;
     let [width, height] = [32, 18];
-    let scene = sheer_scene::open("layers:count=3,alpha=0.4,background=0").unwrap().scene;
+    let scene = sheer_gallery::open("layers:count=3,alpha=0.4,background=0").unwrap().scene;
     let mut stage = Stage::new(scene, &CameraChoice::Default, Some(2)).unwrap();
     let settings = Settings { size: [width, height], ..Settings::default() };
     let mut pipeline = Pipeline::new(parse("hashed"), Antialiasing::Accumulate, settings).unwrap();

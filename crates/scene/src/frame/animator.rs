@@ -197,16 +197,17 @@ impl Animator {
         let quads: Vec<_> = (0..system.particles.len())
             .into_par_iter()
             .filter_map(|index| {
-                let puff = system.puff(index, time_secs)?;
-                let alpha = puff.alpha * system.near_factor(camera.view_depth(puff.centre));
+                let particle = system.state_at(index, time_secs)?;
+                let alpha = particle.alpha * system.near_factor(camera.view_depth(particle.centre));
                 if alpha <= 0.0 {
                     return None;
                 }
-                let (right, up) = quad_axes(&camera, puff.rotation_rad);
-                let corners = quad_corners(puff.centre, right * puff.half_size, up * puff.half_size);
-                let before = system.puff(index, previous_secs).map_or(corners, |puff| {
-                    let (right, up) = quad_axes(&previous_camera, puff.rotation_rad);
-                    quad_corners(puff.centre, right * puff.half_size, up * puff.half_size)
+                let (right, up) = quad_axes(&camera, particle.rotation_rad);
+                let corners =
+                    quad_corners(particle.centre, right * particle.half_size, up * particle.half_size);
+                let before = system.state_at(index, previous_secs).map_or(corners, |particle| {
+                    let (right, up) = quad_axes(&previous_camera, particle.rotation_rad);
+                    quad_corners(particle.centre, right * particle.half_size, up * particle.half_size)
                 });
                 Some((index, alpha, right, up, corners, before))
             })

@@ -3,8 +3,7 @@
 use glam::{Affine3A, Quat};
 
 use crate::{
-    camera::{Camera, CameraMotion, CameraPose, pose_on_rails},
-    keys::value_at,
+    camera::{Camera, CameraMotion, CameraPose},
     model::{SceneParts, Track, Transform},
     scene::Scene,
 };
@@ -27,14 +26,14 @@ impl NodePose {
             for channel in &animation.channels {
                 match (&channel.track, &mut local[channel.node as usize]) {
                     (Track::Translation(keys), Transform::Trs { translation, .. }) => {
-                        *translation = value_at(keys, time_secs);
+                        *translation = keys.value_at(time_secs);
                     }
                     (Track::Rotation(keys), Transform::Trs { rotation, .. }) => {
-                        *rotation = unit(value_at(keys, time_secs));
+                        *rotation = unit(keys.value_at(time_secs));
                     }
-                    (Track::Scale(keys), Transform::Trs { scale, .. }) => *scale = value_at(keys, time_secs),
+                    (Track::Scale(keys), Transform::Trs { scale, .. }) => *scale = keys.value_at(time_secs),
                     (Track::MorphWeights(keys), _) => {
-                        morph_weights.push((channel.node, value_at(keys, time_secs)));
+                        morph_weights.push((channel.node, keys.value_at(time_secs)));
                     }
                     // Validation has refused animated matrices.
                     (_, Transform::Matrix(_)) => {}
@@ -53,16 +52,6 @@ impl NodePose {
 /// A quaternion made unit again; the identity if it has no direction.
 fn unit(rotation: Quat) -> Quat {
     if rotation.length_squared() > 1e-12 { rotation.normalize() } else { Quat::IDENTITY }
-}
-
-impl Track {
-    fn end_secs(&self) -> f32 {
-        match self {
-            Self::Translation(keys) | Self::Scale(keys) => keys.end_secs(),
-            Self::Rotation(keys) => keys.end_secs(),
-            Self::MorphWeights(keys) => keys.end_secs(),
-        }
-    }
 }
 
 /// Which nodes an animation moves, directly or through a parent.
@@ -88,7 +77,7 @@ pub(super) fn instance_moves(parts: &SceneParts, node_moves: &[bool], index: u32
 
 /// Where a camera is at a time.
 pub(crate) fn camera_pose(scene: &Scene, camera: &Camera, time_secs: f32) -> CameraPose {
-    if let Some(pose) = pose_on_rails(camera.lens, &camera.motion, time_secs) {
+    if let Some(pose) = camera.pose_on_rails(time_secs) {
         return pose;
     }
     let CameraMotion::Node(node) = camera.motion else {

@@ -2,7 +2,7 @@
 
 use std::{fmt, path::Path};
 
-use crate::{SceneError, builtin, scene::Scene};
+use crate::{SceneError, scene::Scene};
 
 mod gltf;
 
@@ -66,15 +66,16 @@ impl fmt::Display for LoadWarning {
     }
 }
 
-/// Opens a scene: a built-in by name, with parameters as `layers:count=8,alpha=0.2`, or a `.gltf` or `.glb` file by path.
+/// Opens a `.gltf` or `.glb` file by path; its extension, in any case, says which format it has.
 ///
 /// # Errors
-/// [`SceneError`] says what is wrong, where, and what to do.
-pub fn open(text: &str) -> Result<Loaded, SceneError> {
-    let path = Path::new(text);
+/// [`SceneError::UnknownFormat`] for a path with another extension or none; otherwise [`SceneError`] says what is wrong, where, and what
+/// to do.
+pub fn open(path: impl AsRef<Path>) -> Result<Loaded, SceneError> {
+    let path = path.as_ref();
     match path.extension().and_then(|extension| extension.to_str()).map(str::to_ascii_lowercase).as_deref() {
         Some("gltf" | "glb") => gltf::load(path),
-        _ => builtin::build(text).map(|scene| Loaded { scene, warnings: Vec::new() }),
+        _ => Err(SceneError::UnknownFormat { path: path.to_owned() }),
     }
 }
 

@@ -1,0 +1,253 @@
+//! Puts a scene together: hands out indices and object ids, so that the scenes themselves speak of things.
+
+use std::sync::Arc;
+
+use glam::{Affine3A, Mat3, Quat, Vec3};
+use sheer_image::Image;
+use sheer_scene::{
+    Scene, SceneError,
+    camera::Camera,
+    environment::Environment,
+    model::{
+        Animation, Channel, Filter, Influence, Instance, Keys, Light, LightKind, Material, Mesh, MorphTarget,
+        Node, SceneParts, Skin, Texture, Track, Transform, Wrap,
+    },
+    particle::ParticleSystem,
+};
+
+use crate::shape::{Model, Shape};
+
+/// A scene in the making.
+pub(crate) struct Stage {
+    parts: SceneParts,
+}
+
+/// Meshes that are placed together.
+#[derive(Clone)]
+pub(crate) struct Prop {
+    name: String,
+    meshes: Vec<u32>,
+}
+
+impl Stage {
+    pub(crate) fn new(name: &str, environment: Environment) -> Self {
+        Self {
+            parts: SceneParts { name: name.to_owned(), exposure: 1.0, environment, ..SceneParts::default() },
+        }
+    }
+
+    /// Adds a tiling texture; returns its index.
+    pub(crate) fn texture(&mut self, name: &str, image: Image<[u8; 4]>, srgb: bool) -> u32 {
+        self.parts.textures.push(Texture {
+            name: name.to_owned(),
+            image: Arc::new(image),
+            srgb,
+            wrap: [Wrap::Repeat; 2],
+            filter: Filter::Linear,
+        });
+        self.parts.textures.len() as u32 - 1
+    }
+
+    /// Adds a material; returns its index.
+    pub(crate) fn material(&mut self, material: Material) -> u32 {
+        self.parts.materials.push(material);
+        self.parts.materials.len() as u32 - 1
+    }
+
+    /// Adds the meshes of a model, one a material, to be placed any number of times.
+    pub(crate) fn prop(&mut self, name: &str, model: Model) -> Prop {
+        let first = self.parts.meshes.len() as u32;
+        self.parts.meshes.extend(model.into_shapes().map(|(material, shape)| mesh(name, material, shape)));
+        Prop { name: name.to_owned(), meshes: (first..self.parts.meshes.len() as u32).collect() }
+    }
+
+    /// Places a prop as one object: its meshes share an object id.
+    pub(crate) fn place(&mut self, prop: &Prop, world_from_object: Affine3A) {
+        let node = self.node(&prop.name, Transform::Matrix(world_from_object));
+        self.hang(prop, node);
+    }
+
+    /// Places a prop as one object that moves with the clip.
+    pub(crate) fn place_moving(&mut self, prop: &Prop, rest: Transform, tracks: Vec<Track>) {
+        let node = self.node(&prop.name, rest);
+        self.hang(prop, node);
+        self.move_by("clip", node, tracks);
+    }
+
+    /// Hangs a prop on a node, as an object of its own that goes where the node goes.
+    pub(crate) fn hang(&mut self, prop: &Prop, node: u32) {
+        let id = self.parts.instances.last().map_or(0, |last| last.id + 1);
+        self.parts.instances.extend((0..).zip(&prop.meshes).map(|(geometry, &mesh)| Instance {
+            node,
+            node_from_object: Affine3A::IDENTITY,
+            mesh,
+            id,
+            geometry,
+            skin: None,
+            morph_weights: Vec::new(),
+        }));
+    }
+
+    /// Adds a node whose instances are mixed from their poses by these weights (see [`Self::sway`]).
+    pub(crate) fn swaying_node(&mut self, name: &str, weights: Keys<Vec<f32>>) -> u32 {
+        let node = self.node(name, Transform::IDENTITY);
+        self.move_by(name, node, vec![Track::MorphWeights(weights)]);
+        node
+    }
+
+    /// Places a model as one object that sways: `poses` are the model at rest and then with each weight of the node at 1, vertex by vertex.
+    pub(crate) fn sway(&mut self, name: &str, node: u32, poses: &[Model]) {
+        let Some((rest, extremes)) = poses.split_first() else { return };
+        let prop = self.prop(name, rest.clone());
+        let own = &mut self.parts.meshes[prop.meshes[0] as usize..];
+        for extreme in extremes {
+            for (mesh, (_, shape)) in own.iter_mut().zip(extreme.clone().into_shapes()) {
+                let minus =
+                    |pose: &[Vec3], rest: &[Vec3]| pose.iter().zip(rest).map(|(p, r)| *p - *r).collect();
+                mesh.morph_targets.push(MorphTarget {
+                    positions: minus(&shape.positions, &mesh.positions),
+                    normals: minus(&shape.normals, &mesh.normals),
+                });
+            }
+        }
+        let first = self.parts.instances.len();
+        self.hang(&prop, node);
+        let weights = vec![0.0; extremes.len()];
+        self.parts.instances[first..]
+            .iter_mut()
+            .for_each(|instance| instance.morph_weights = weights.clone());
+    }
+
+    /// Places a model that turns around a point of the world.
+    pub(crate) fn spin(&mut self, name: &str, model: Model, around: Vec3, turns: Keys<Quat>) {
+        let prop = self.prop(name, model);
+        let node = self.node(name, Transform::from_translation(around));
+        self.move_by(name, node, vec![Track::Rotation(turns)]);
+        self.hang(&prop, node);
+    }
+
+    /// Adds tracks to the animation of that name, which loops by its longest.
+    fn move_by(&mut self, animation: &str, node: u32, tracks: Vec<Track>) {
+        let animations = &mut self.parts.animations;
+        let at = animations.iter().position(|known| known.name == animation).unwrap_or_else(|| {
+            animations.push(Animation { name: animation.to_owned(), channels: Vec::new() });
+            animations.len() - 1
+        });
+        animations[at].channels.extend(tracks.into_iter().map(|track| Channel { node, track }));
+    }
+
+    /// Adds a node that can be animated, in its parent's space or the world.
+    pub(crate) fn joint(&mut self, name: &str, parent: Option<u32>, translation: Vec3) -> u32 {
+        let joint = self.node(name, Transform::from_translation(translation));
+        self.parts.nodes[joint as usize].parent = parent;
+        joint
+    }
+
+    /// Hangs a model on a chain of joints that bends it: `influences` says of a vertex which joints pull at it, `origin_in_object` where
+    /// each joint lies in the space of the model.
+    pub(crate) fn drape(
+        &mut self,
+        name: &str,
+        model: Model,
+        joints: Vec<u32>,
+        origin_in_object: &[Vec3],
+        influences: impl Fn(Vec3) -> [Influence; 4],
+    ) {
+        let prop = self.prop(name, model);
+        for &mesh in &prop.meshes {
+            let mesh = &mut self.parts.meshes[mesh as usize];
+            mesh.influences = mesh.positions.iter().flat_map(|&position| influences(position)).collect();
+            mesh.influences_per_vertex = 4;
+        }
+        let node = joints[0];
+        let inverse_bind = origin_in_object.iter().map(|&origin| Affine3A::from_translation(-origin));
+        self.parts.skins.push(Skin { name: name.to_owned(), joints, inverse_bind: inverse_bind.collect() });
+        let first = self.parts.instances.len();
+        self.hang(&prop, node);
+        let skin = Some(self.parts.skins.len() as u32 - 1);
+        self.parts.instances[first..].iter_mut().for_each(|instance| instance.skin = skin);
+    }
+
+    pub(crate) fn animate(&mut self, animation: Animation) {
+        self.parts.animations.push(animation);
+    }
+
+    /// Adds a model and places it once, as it stands.
+    pub(crate) fn put(&mut self, name: &str, model: Model) {
+        self.put_at(name, model, Affine3A::IDENTITY);
+    }
+
+    /// Adds a model and places it once.
+    pub(crate) fn put_at(&mut self, name: &str, model: Model, world_from_object: Affine3A) {
+        let prop = self.prop(name, model);
+        self.place(&prop, world_from_object);
+    }
+
+    /// Adds the sun: `towards` points to it, `illuminance` is what it gives to a surface that faces it.
+    pub(crate) fn sun(&mut self, towards: Vec3, illuminance: Vec3) {
+        let node = self.aimed("sun", Vec3::ZERO, towards);
+        self.light("sun", node, illuminance, LightKind::Directional);
+    }
+
+    /// Adds a spotlight that looks at a point, in candela; its cone is full inside the first angle and ends at the second.
+    pub(crate) fn spot(&mut self, name: &str, at: Vec3, target: Vec3, candela: Vec3, cones_rad: [f32; 2]) {
+        let node = self.aimed(name, at, at - target);
+        let [inner_cone_rad, outer_cone_rad] = cones_rad;
+        let kind = LightKind::Spot { range: f32::INFINITY, inner_cone_rad, outer_cone_rad };
+        self.light(name, node, candela, kind);
+    }
+
+    /// A node whose -Z leads away from `back`.
+    fn aimed(&mut self, name: &str, translation: Vec3, back: Vec3) -> u32 {
+        let back = back.normalize();
+        let right = Vec3::Y.cross(back).normalize();
+        let rotation = Quat::from_mat3(&Mat3::from_cols(right, back.cross(right), back));
+        self.node(name, Transform::Trs { translation, rotation, scale: Vec3::ONE })
+    }
+
+    /// Adds a lamp that shines all around, in candela.
+    pub(crate) fn lamp(&mut self, name: &str, at: Vec3, candela: Vec3, range: f32) {
+        let node = self.node(name, Transform::from_translation(at));
+        self.lamp_on(name, node, candela, range);
+    }
+
+    /// The same on a node that moves.
+    pub(crate) fn lamp_on(&mut self, name: &str, node: u32, candela: Vec3, range: f32) {
+        self.light(name, node, candela, LightKind::Point { range });
+    }
+
+    pub(crate) fn particles(&mut self, system: ParticleSystem) {
+        self.parts.particles.push(system);
+    }
+
+    /// Adds a camera; the first one is the scene's default.
+    pub(crate) fn camera(&mut self, camera: Camera) {
+        self.parts.cameras.push(camera);
+    }
+
+    pub(crate) fn finish(self) -> Result<Scene, SceneError> {
+        Scene::new(self.parts)
+    }
+
+    fn node(&mut self, name: &str, transform: Transform) -> u32 {
+        self.parts.nodes.push(Node { name: name.to_owned(), parent: None, transform });
+        self.parts.nodes.len() as u32 - 1
+    }
+
+    fn light(&mut self, name: &str, node: u32, intensity: Vec3, kind: LightKind) {
+        self.parts.lights.push(Light { name: name.to_owned(), node, intensity, kind });
+    }
+}
+
+fn mesh(name: &str, material: u32, shape: Shape) -> Mesh {
+    Mesh {
+        name: name.to_owned(),
+        material,
+        positions: shape.positions,
+        normals: shape.normals,
+        uv_sets: vec![shape.uvs],
+        colours: shape.colours,
+        indices: shape.indices,
+        ..Mesh::default()
+    }
+}

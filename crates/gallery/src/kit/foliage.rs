@@ -1,0 +1,259 @@
+//! Trees, bushes and flowers: clumps of cut-out cards on branches.
+//!
+//! A card shows a cluster of leaves from both sides and is shaded with the normal of the crown that it belongs to, not its own: light then
+//! falls on a tree as on a soft round body.
+
+use std::f32::consts::{PI, TAU};
+
+use glam::{Quat, Vec2, Vec3};
+use sheer_core::colour::linear_from_hex;
+use sheer_image::Image;
+
+use crate::{
+    kit::palette::Palette,
+    paint::{paint_colour, smoothstep},
+    rng::Chance,
+    shape::{Model, Shape, Vertex},
+};
+
+/// Which quarter of the leaf atlas a card shows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Cluster {
+    /// Green leaves.
+    Green,
+    /// Leaves that begin to turn.
+    Turning,
+    /// Blossoms among leaves.
+    Blossom,
+    /// Small dense leaves.
+    Hedge,
+}
+
+impl Cluster {
+    fn corner(self) -> Vec2 {
+        match self {
+            Self::Green => Vec2::new(0.0, 0.0),
+            Self::Turning => Vec2::new(0.5, 0.0),
+            Self::Blossom => Vec2::new(0.0, 0.5),
+            Self::Hedge => Vec2::new(0.5, 0.5),
+        }
+    }
+}
+
+/// One leaf of a cluster, in the unit square of its quarter.
+struct Leaf {
+    base: Vec2,
+    along: Vec2,
+    length: f32,
+    width: f32,
+    colour: Vec3,
+    /// A blossom is round and has no veins.
+    round: bool,
+}
+
+/// Paints the 2×2 atlas of [`Cluster`]s; outside the leaves the colour goes on, so that no dark fringe shows.
+pub(crate) fn leaf_atlas(seed: u32) -> Image<[u8; 4]> {
+    let mut chance = Chance::new(seed, "leaf atlas");
+    let clusters = [Cluster::Green, Cluster::Turning, Cluster::Blossom, Cluster::Hedge]
+        .map(|cluster| sprig(&mut chance, cluster));
+    paint_colour(512, |uv| {
+        let quarter = (uv * 2.0).floor().min(Vec2::ONE);
+        let leaves = &clusters[(quarter.y * 2.0 + quarter.x) as usize];
+        let p = uv * 2.0 - quarter;
+        let mean = leaves.iter().map(|leaf| leaf.colour).sum::<Vec3>() / leaves.len() as f32;
+        leaves.iter().rev().find_map(|leaf| leaf.at(p)).map_or((mean, 0.0), |colour| (colour, 1.0))
+    })
+}
+
+fn sprig(chance: &mut Chance, cluster: Cluster) -> Vec<Leaf> {
+    let greens = [0x5f7a2c, 0x4c6b25, 0x6f8a35, 0x56702a, 0x3f5e22].map(linear_from_hex);
+    let golds = [0xa08a2e, 0x8a8530, 0xb59432, 0x6f7a2c, 0x9a7428].map(linear_from_hex);
+    let deep = [0x3c5a2a, 0x476a30, 0x34502a, 0x55753a].map(linear_from_hex);
+    let petals = [0xc8283c, 0xd84a58, 0xb01c34, 0xe06a72].map(linear_from_hex);
+    let (count, length) = match cluster {
+        Cluster::Green | Cluster::Turning => (26, 0.25),
+        Cluster::Blossom => (60, 0.13),
+        Cluster::Hedge => (90, 0.13),
+    };
+    (0..count)
+        .map(|index| {
+            let round = cluster == Cluster::Blossom && index > 24;
+            let tones: &[Vec3] = match cluster {
+                _ if round => &petals,
+                Cluster::Green => &greens,
+                Cluster::Turning => {
+                    if chance.happens(0.55) {
+                        &golds
+                    } else {
+                        &greens
+                    }
+                }
+                Cluster::Blossom | Cluster::Hedge => &deep,
+            };
+            let turn = chance.between(0.0, TAU);
+            let reach = chance.unit().sqrt() * (0.44 - 0.8 * length);
+            let base = Vec2::splat(0.5) + Vec2::from_angle(turn) * reach;
+            let length = length * chance.between(0.75, 1.15);
+            Leaf {
+                base,
+                along: Vec2::from_angle(turn + chance.about(0.0, 0.9)),
+                length: if round { 0.6 * length } else { length },
+                width: length * if round { 0.55 } else { chance.between(0.42, 0.56) },
+                colour: *chance.pick(tones) * chance.between(0.8, 1.2),
+                round,
+            }
+        })
+        .collect()
+}
+
+impl Leaf {
+    fn at(&self, p: Vec2) -> Option<Vec3> {
+        let offset = p - self.base;
+        let (s, t) =
+            (offset.dot(self.along) / self.length, offset.dot(self.along.perp()) / (0.5 * self.width));
+        if !(0.0..1.0).contains(&s) {
+            return None;
+        }
+        if self.round {
+            let radius_squared = (2.0 * s - 1.0).powi(2) + t * t;
+            return (radius_squared < 1.0).then(|| self.colour * (1.15 - 0.4 * radius_squared));
+        }
+        // Widest at a third of its length, pointed at the tip.
+        let half_width = (PI * s.powf(0.72)).sin().max(0.0) * (1.0 - 0.25 * s);
+        if t.abs() > half_width {
+            return None;
+        }
+        let midrib = 1.0 - smoothstep(0.03, 0.10, t.abs());
+        let side_veins = (((s - 0.35 * t.abs()) * 9.0).fract() - 0.5).abs();
+        let shade = 0.86 + 0.30 * midrib + 0.12 * smoothstep(0.40, 0.5, side_veins) + 0.10 * t.signum();
+        Some(self.colour * shade)
+    }
+}
+
+/// How a tree grows.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Habit {
+    /// To the top of the crown, metres.
+    pub(crate) height: f32,
+    /// Of the crown, metres.
+    pub(crate) radius: f32,
+    /// Where the crown begins, share of the height.
+    pub(crate) clear: f32,
+    pub(crate) clump_count: u32,
+    pub(crate) cards_per_clump: u32,
+    /// Share of the cards that begin to turn yellow.
+    pub(crate) turning: f32,
+}
+
+/// A tree that stands at the origin.
+pub(crate) fn tree(palette: &Palette, chance: &mut Chance, habit: Habit) -> Model {
+    let mut model = Model::default();
+    let low = habit.height * habit.clear;
+    let radii = Vec3::new(habit.radius, 0.5 * (habit.height - low), habit.radius);
+    let centre = Vec3::Y * (low + radii.y);
+
+    // A trunk that leans a little and flares at its foot.
+    let lean = Vec3::new(chance.about(0.0, 0.25), 0.0, chance.about(0.0, 0.25));
+    let thick = 0.026 * habit.height;
+    let spine = |share: f32| lean * share * share + Vec3::Y * (share * habit.height * 0.86);
+    let mut trunk: Vec<(Vec3, f32)> =
+        vec![(spine(0.0) - Vec3::Y * 0.05, thick * 1.9), (spine(0.02), thick * 1.35)];
+    trunk.extend((1..=9).map(|i| i as f32 / 9.0).map(|share| (spine(share), thick * (1.06 - 0.95 * share))));
+    let bark = model.paint(palette.bark, Vec3::ONE);
+    bark.tube(&trunk, 10);
+
+    for clump in clump_centres(chance, habit.clump_count) {
+        let middle = centre + clump * radii * 0.80 + lean * 0.6;
+        // A bough leaves the trunk below its clump and bends upwards.
+        let foot_height =
+            (0.62 * middle.y - 0.25 * middle.with_y(0.0).length()).clamp(0.8 * low, 0.80 * habit.height);
+        let share = foot_height / (habit.height * 0.86);
+        let foot = spine(share);
+        let bend = foot.lerp(middle, 0.5) - Vec3::Y * 0.12 * foot.distance(middle);
+        let root = thick * (1.06 - 0.95 * share) * 0.42;
+        let bough: Vec<(Vec3, f32)> = (0..=5)
+            .map(|i| i as f32 / 5.0)
+            .map(|s| {
+                let point = foot.lerp(bend, s).lerp(bend.lerp(middle, s), s);
+                (point, root * (1.0 - 0.8 * s))
+            })
+            .collect();
+        model.paint(palette.bark, Vec3::splat(0.85)).tube(&bough, 5);
+        for _ in 0..4 {
+            let twig = middle + chance.direction() * radii * 0.26;
+            model.paint(palette.bark, Vec3::splat(0.8)).tube(&[(middle, 0.014), (twig, 0.004)], 3);
+        }
+        let size = 0.34 * habit.radius * chance.between(0.8, 1.15);
+        for _ in 0..habit.cards_per_clump {
+            let out = chance.direction();
+            let at = middle + out * Vec3::new(size, 0.72 * size, size) * chance.unit().cbrt();
+            let from_centre = (at - centre) / radii;
+            // Deep inside and underneath it is dark.
+            let depth = from_centre.length().min(1.1);
+            let sunk = 0.40 + 0.60 * smoothstep(0.25, 1.0, depth);
+            let under = 0.72 + 0.28 * smoothstep(-0.9, 0.5, from_centre.y + 0.5 * out.y);
+            let normal = (from_centre.normalize_or(Vec3::Y) * 0.65 + out * 0.55 + Vec3::Y * 0.25).normalize();
+            let cluster = if chance.happens(habit.turning) { Cluster::Turning } else { Cluster::Green };
+            let tint = Vec3::splat(sunk * under * chance.between(0.85, 1.15));
+            let half_size = chance.between(0.30, 0.44);
+            card(model.paint(palette.leaves, tint), chance, cluster, at, normal, half_size);
+        }
+    }
+    model
+}
+
+/// Unit-ball positions that keep their distance (best of several candidates).
+fn clump_centres(chance: &mut Chance, count: u32) -> Vec<Vec3> {
+    let mut centres: Vec<Vec3> = Vec::new();
+    for _ in 0..count {
+        let candidates: Vec<Vec3> =
+            (0..12).map(|_| chance.direction() * chance.between(0.35, 1.0).sqrt()).collect();
+        let room = |p: &Vec3| centres.iter().map(|c| c.distance_squared(*p)).fold(f32::MAX, f32::min);
+        let best = candidates.into_iter().max_by(|a, b| room(a).total_cmp(&room(b)));
+        centres.extend(best);
+    }
+    centres
+}
+
+/// One leaf card, seen from both sides with the same normal.
+fn card(
+    shape: &mut Shape,
+    chance: &mut Chance,
+    cluster: Cluster,
+    centre: Vec3,
+    normal: Vec3,
+    half_size: f32,
+) {
+    let facing = (normal + 0.9 * chance.direction()).normalize_or(Vec3::Y);
+    let turn = Quat::from_axis_angle(facing, chance.between(0.0, TAU));
+    let right = turn * facing.any_orthonormal_vector() * half_size;
+    let up = facing.cross(right);
+    let corner = cluster.corner();
+    let mut vertex = |x: f32, y: f32| {
+        let position = centre + right * x + up * y;
+        let uv = corner + Vec2::new(0.25 + 0.25 * x, 0.25 - 0.25 * y);
+        shape.vertex(Vertex { position, normal, uv })
+    };
+    let [a, b, c, d] = [vertex(-1.0, -1.0), vertex(1.0, -1.0), vertex(1.0, 1.0), vertex(-1.0, 1.0)];
+    shape.indices.extend([[a, b, c], [a, c, d], [a, c, b], [a, d, c]]);
+}
+
+/// A row of flowers or a hedge: cards that fill a box, with normals away from its long axis.
+pub(crate) fn planting(
+    model: &mut Model,
+    palette: &Palette,
+    chance: &mut Chance,
+    cluster: Cluster,
+    (low, high): (Vec3, Vec3),
+    card_count: u32,
+) {
+    let (centre, extent) = (0.5 * (low + high), 0.5 * (high - low));
+    for _ in 0..card_count {
+        let inside = Vec3::new(chance.about(0.0, 1.0), chance.about(0.0, 1.0), chance.about(0.0, 1.0));
+        let at = centre + inside * extent;
+        let normal = (inside * Vec3::new(0.3, 1.0, 1.0) + Vec3::Y * 0.6).normalize_or(Vec3::Y);
+        let tint = Vec3::splat((0.55 + 0.45 * smoothstep(-1.0, 0.6, inside.y)) * chance.between(0.85, 1.15));
+        let size = 0.85 * extent.y.min(extent.z) * chance.between(0.8, 1.2);
+        card(model.paint(palette.leaves, tint), chance, cluster, at, normal, size);
+    }
+}

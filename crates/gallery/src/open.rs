@@ -1,0 +1,17 @@
+//! One door for built-in scenes and files.
+
+use sheer_scene::{Loaded, SceneError};
+
+use crate::{catalogue::build, error::GalleryError};
+
+/// Opens a scene: a built-in by name, with parameters as `layers:count=8,alpha=0.2`, or a `.gltf` or `.glb` file by path.
+///
+/// # Errors
+/// [`GalleryError`] says what is wrong, where, and what to do.
+pub fn open(text: &str) -> Result<Loaded, GalleryError> {
+    match sheer_scene::open(text) {
+        // What has no extension of a file is the text of a built-in scene.
+        Err(SceneError::UnknownFormat { .. }) => Ok(Loaded { scene: build(text)?, warnings: Vec::new() }),
+        loaded => Ok(loaded?),
+    }
+}
