@@ -18,7 +18,7 @@ use sheer_scene::{
 use crate::shape::{Model, Shape};
 
 /// A scene in the making.
-pub(crate) struct Stage {
+pub(crate) struct SceneBuilder {
     parts: SceneParts,
 }
 
@@ -29,7 +29,7 @@ pub(crate) struct Prop {
     meshes: Vec<u32>,
 }
 
-impl Stage {
+impl SceneBuilder {
     pub(crate) fn new(name: &str, environment: Environment) -> Self {
         Self {
             parts: SceneParts { name: name.to_owned(), exposure: 1.0, environment, ..SceneParts::default() },

@@ -6,11 +6,11 @@ use glam::{Vec2, Vec3};
 use sheer_core::hash::{Pcg32, fnv1a};
 
 /// A seeded random stream.
-pub(crate) struct Chance {
+pub(crate) struct Rng {
     random: Pcg32,
 }
 
-impl Chance {
+impl Rng {
     /// The stream of the thing called `purpose`.
     pub(crate) fn new(seed: u32, purpose: &str) -> Self {
         Self { random: Pcg32::new(u64::from(seed), fnv1a(purpose.bytes())) }

@@ -4,7 +4,7 @@ use std::f32::consts::PI;
 
 use glam::{Affine3A, Quat, Vec3};
 
-use crate::{rng::Chance, shape::Shape};
+use crate::{rng::Rng, shape::Shape};
 
 /// A round part.
 #[derive(Clone, Copy, Debug)]
@@ -57,22 +57,22 @@ impl Form {
     }
 
     /// A point near the surface, roughly uniform over it.
-    fn scatter(self, chance: &mut Chance) -> Vec3 {
+    fn scatter(self, rng: &mut Rng) -> Vec3 {
         match self {
             Self::Ellipsoid { centre, radii } => loop {
                 // What the stretched ball has in excess of the ellipsoid's area around a point is thinned out.
-                let direction = chance.direction();
+                let direction = rng.direction();
                 let stretch = (direction / radii).length() * radii.min_element();
-                if chance.happens(stretch) {
+                if rng.happens(stretch) {
                     return centre + direction * radii;
                 }
             },
             Self::Limb { from, to, radius_from, radius_to } => {
                 let length = from.distance(to);
-                let along = chance.between(-radius_from, length + radius_to);
+                let along = rng.between(-radius_from, length + radius_to);
                 let axis = (to - from) / length;
                 let way = (along / length).clamp(0.0, 1.0);
-                let direction = chance.direction();
+                let direction = rng.direction();
                 let beyond = (along - way * length) / (radius_from + (radius_to - radius_from) * way);
                 let round =
                     (direction - axis * axis.dot(direction)).normalize_or(axis.any_orthonormal_vector());
@@ -140,16 +140,16 @@ impl Body {
     }
 
     /// A random point on the surface and its normal.
-    pub(crate) fn surface_point(&self, chance: &mut Chance) -> (Vec3, Vec3) {
+    pub(crate) fn surface_point(&self, rng: &mut Rng) -> (Vec3, Vec3) {
         let total: f32 = self.forms.iter().map(|form| form.area()).sum();
         loop {
-            let mut left = chance.unit() * total;
+            let mut left = rng.unit() * total;
             let chosen = self.forms.iter().find(|form| {
                 left -= form.area();
                 left <= 0.0
             });
             let Some(form) = chosen else { continue };
-            let mut p = form.scatter(chance);
+            let mut p = form.scatter(rng);
             // Deep inside another part there is no surface near.
             if self.field(p).distance < -0.5 * self.blend {
                 continue;
@@ -187,9 +187,9 @@ mod tests {
     #[test]
     fn random_points_lie_on_the_surface_with_normals_that_lead_out() {
         let body = pair();
-        let mut chance = Chance::new(5, "surface");
+        let mut rng = Rng::new(5, "surface");
         for _ in 0..500 {
-            let (point, normal) = body.surface_point(&mut chance);
+            let (point, normal) = body.surface_point(&mut rng);
             assert!(body.field(point).distance.abs() < ON_SURFACE);
             assert!(body.field(point + normal * 0.01).distance > 0.004);
             assert!(body.field(point - normal * 0.01).distance < -0.004);
@@ -202,11 +202,11 @@ mod tests {
         let limb = Form::Limb { from: Vec3::ZERO, to: Vec3::Y * 1e-3, radius_from: 0.5, radius_to: 0.5 };
         for form in [ball, limb] {
             let body = Body { forms: vec![form], blend: 0.01 };
-            let mut chance = Chance::new(6, "even");
+            let mut rng = Rng::new(6, "even");
             // Bands of equal height hold equal areas of a ball (Archimedes): chi-square with nine degrees of freedom, 27.9 at 0.1 %.
             let mut bands = [0.0_f32; 10];
             for _ in 0..5000 {
-                let (point, _) = body.surface_point(&mut chance);
+                let (point, _) = body.surface_point(&mut rng);
                 bands[((point.y + 0.5) * 10.0).clamp(0.0, 9.0) as usize] += 1.0;
             }
             let chi_square: f32 = bands.iter().map(|count| (count - 500.0).powi(2) / 500.0).sum();

@@ -12,7 +12,7 @@ use sheer_image::Image;
 use crate::{
     kit::palette::Palette,
     paint::{paint_colour, smoothstep},
-    rng::Chance,
+    rng::Rng,
     shape::{Model, Shape, Vertex},
 };
 
@@ -53,9 +53,9 @@ struct Leaf {
 
 /// Paints the 2×2 atlas of [`Cluster`]s; outside the leaves the colour goes on, so that no dark fringe shows.
 pub(crate) fn leaf_atlas(seed: u32) -> Image<[u8; 4]> {
-    let mut chance = Chance::new(seed, "leaf atlas");
+    let mut rng = Rng::new(seed, "leaf atlas");
     let clusters = [Cluster::Green, Cluster::Turning, Cluster::Blossom, Cluster::Hedge]
-        .map(|cluster| sprig(&mut chance, cluster));
+        .map(|cluster| sprig(&mut rng, cluster));
     paint_colour(512, |uv| {
         let quarter = (uv * 2.0).floor().min(Vec2::ONE);
         let leaves = &clusters[(quarter.y * 2.0 + quarter.x) as usize];
@@ -65,7 +65,7 @@ pub(crate) fn leaf_atlas(seed: u32) -> Image<[u8; 4]> {
     })
 }
 
-fn sprig(chance: &mut Chance, cluster: Cluster) -> Vec<Leaf> {
+fn sprig(rng: &mut Rng, cluster: Cluster) -> Vec<Leaf> {
     let greens = [0x5f7a2c, 0x4c6b25, 0x6f8a35, 0x56702a, 0x3f5e22].map(linear_from_hex);
     let golds = [0xa08a2e, 0x8a8530, 0xb59432, 0x6f7a2c, 0x9a7428].map(linear_from_hex);
     let deep = [0x3c5a2a, 0x476a30, 0x34502a, 0x55753a].map(linear_from_hex);
@@ -82,7 +82,7 @@ fn sprig(chance: &mut Chance, cluster: Cluster) -> Vec<Leaf> {
                 _ if round => &petals,
                 Cluster::Green => &greens,
                 Cluster::Turning => {
-                    if chance.happens(0.55) {
+                    if rng.happens(0.55) {
                         &golds
                     } else {
                         &greens
@@ -90,16 +90,16 @@ fn sprig(chance: &mut Chance, cluster: Cluster) -> Vec<Leaf> {
                 }
                 Cluster::Blossom | Cluster::Hedge => &deep,
             };
-            let turn = chance.between(0.0, TAU);
-            let reach = chance.unit().sqrt() * (0.44 - 0.8 * length);
+            let turn = rng.between(0.0, TAU);
+            let reach = rng.unit().sqrt() * (0.44 - 0.8 * length);
             let base = Vec2::splat(0.5) + Vec2::from_angle(turn) * reach;
-            let length = length * chance.between(0.75, 1.15);
+            let length = length * rng.between(0.75, 1.15);
             Leaf {
                 base,
-                along: Vec2::from_angle(turn + chance.about(0.0, 0.9)),
+                along: Vec2::from_angle(turn + rng.about(0.0, 0.9)),
                 length: if round { 0.6 * length } else { length },
-                width: length * if round { 0.55 } else { chance.between(0.42, 0.56) },
-                colour: *chance.pick(tones) * chance.between(0.8, 1.2),
+                width: length * if round { 0.55 } else { rng.between(0.42, 0.56) },
+                colour: *rng.pick(tones) * rng.between(0.8, 1.2),
                 round,
             }
         })
@@ -146,14 +146,14 @@ pub(crate) struct Habit {
 }
 
 /// A tree that stands at the origin.
-pub(crate) fn tree(palette: &Palette, chance: &mut Chance, habit: Habit) -> Model {
+pub(crate) fn tree(palette: &Palette, rng: &mut Rng, habit: Habit) -> Model {
     let mut model = Model::default();
     let low = habit.height * habit.clear;
     let radii = Vec3::new(habit.radius, 0.5 * (habit.height - low), habit.radius);
     let centre = Vec3::Y * (low + radii.y);
 
     // A trunk that leans a little and flares at its foot.
-    let lean = Vec3::new(chance.about(0.0, 0.25), 0.0, chance.about(0.0, 0.25));
+    let lean = Vec3::new(rng.about(0.0, 0.25), 0.0, rng.about(0.0, 0.25));
     let thick = 0.026 * habit.height;
     let spine = |share: f32| lean * share * share + Vec3::Y * (share * habit.height * 0.86);
     let mut trunk: Vec<(Vec3, f32)> =
@@ -162,7 +162,7 @@ pub(crate) fn tree(palette: &Palette, chance: &mut Chance, habit: Habit) -> Mode
     let bark = model.paint(palette.bark, Vec3::ONE);
     bark.tube(&trunk, 10);
 
-    for clump in clump_centres(chance, habit.clump_count) {
+    for clump in clump_centres(rng, habit.clump_count) {
         let middle = centre + clump * radii * 0.80 + lean * 0.6;
         // A bough leaves the trunk below its clump and bends upwards.
         let foot_height =
@@ -180,34 +180,34 @@ pub(crate) fn tree(palette: &Palette, chance: &mut Chance, habit: Habit) -> Mode
             .collect();
         model.paint(palette.bark, Vec3::splat(0.85)).tube(&bough, 5);
         for _ in 0..4 {
-            let twig = middle + chance.direction() * radii * 0.26;
+            let twig = middle + rng.direction() * radii * 0.26;
             model.paint(palette.bark, Vec3::splat(0.8)).tube(&[(middle, 0.014), (twig, 0.004)], 3);
         }
-        let size = 0.34 * habit.radius * chance.between(0.8, 1.15);
+        let size = 0.34 * habit.radius * rng.between(0.8, 1.15);
         for _ in 0..habit.cards_per_clump {
-            let out = chance.direction();
-            let at = middle + out * Vec3::new(size, 0.72 * size, size) * chance.unit().cbrt();
+            let out = rng.direction();
+            let at = middle + out * Vec3::new(size, 0.72 * size, size) * rng.unit().cbrt();
             let from_centre = (at - centre) / radii;
             // Deep inside and underneath it is dark.
             let depth = from_centre.length().min(1.1);
             let sunk = 0.40 + 0.60 * smoothstep(0.25, 1.0, depth);
             let under = 0.72 + 0.28 * smoothstep(-0.9, 0.5, from_centre.y + 0.5 * out.y);
             let normal = (from_centre.normalize_or(Vec3::Y) * 0.65 + out * 0.55 + Vec3::Y * 0.25).normalize();
-            let cluster = if chance.happens(habit.turning) { Cluster::Turning } else { Cluster::Green };
-            let tint = Vec3::splat(sunk * under * chance.between(0.85, 1.15));
-            let half_size = chance.between(0.30, 0.44);
-            card(model.paint(palette.leaves, tint), chance, cluster, at, normal, half_size);
+            let cluster = if rng.happens(habit.turning) { Cluster::Turning } else { Cluster::Green };
+            let tint = Vec3::splat(sunk * under * rng.between(0.85, 1.15));
+            let half_size = rng.between(0.30, 0.44);
+            card(model.paint(palette.leaves, tint), rng, cluster, at, normal, half_size);
         }
     }
     model
 }
 
 /// Unit-ball positions that keep their distance (best of several candidates).
-fn clump_centres(chance: &mut Chance, count: u32) -> Vec<Vec3> {
+fn clump_centres(rng: &mut Rng, count: u32) -> Vec<Vec3> {
     let mut centres: Vec<Vec3> = Vec::new();
     for _ in 0..count {
         let candidates: Vec<Vec3> =
-            (0..12).map(|_| chance.direction() * chance.between(0.35, 1.0).sqrt()).collect();
+            (0..12).map(|_| rng.direction() * rng.between(0.35, 1.0).sqrt()).collect();
         let room = |p: &Vec3| centres.iter().map(|c| c.distance_squared(*p)).fold(f32::MAX, f32::min);
         let best = candidates.into_iter().max_by(|a, b| room(a).total_cmp(&room(b)));
         centres.extend(best);
@@ -216,16 +216,9 @@ fn clump_centres(chance: &mut Chance, count: u32) -> Vec<Vec3> {
 }
 
 /// One leaf card, seen from both sides with the same normal.
-fn card(
-    shape: &mut Shape,
-    chance: &mut Chance,
-    cluster: Cluster,
-    centre: Vec3,
-    normal: Vec3,
-    half_size: f32,
-) {
-    let facing = (normal + 0.9 * chance.direction()).normalize_or(Vec3::Y);
-    let turn = Quat::from_axis_angle(facing, chance.between(0.0, TAU));
+fn card(shape: &mut Shape, rng: &mut Rng, cluster: Cluster, centre: Vec3, normal: Vec3, half_size: f32) {
+    let facing = (normal + 0.9 * rng.direction()).normalize_or(Vec3::Y);
+    let turn = Quat::from_axis_angle(facing, rng.between(0.0, TAU));
     let right = turn * facing.any_orthonormal_vector() * half_size;
     let up = facing.cross(right);
     let corner = cluster.corner();
@@ -242,18 +235,18 @@ fn card(
 pub(crate) fn planting(
     model: &mut Model,
     palette: &Palette,
-    chance: &mut Chance,
+    rng: &mut Rng,
     cluster: Cluster,
     (low, high): (Vec3, Vec3),
     card_count: u32,
 ) {
     let (centre, extent) = (0.5 * (low + high), 0.5 * (high - low));
     for _ in 0..card_count {
-        let inside = Vec3::new(chance.about(0.0, 1.0), chance.about(0.0, 1.0), chance.about(0.0, 1.0));
+        let inside = Vec3::new(rng.about(0.0, 1.0), rng.about(0.0, 1.0), rng.about(0.0, 1.0));
         let at = centre + inside * extent;
         let normal = (inside * Vec3::new(0.3, 1.0, 1.0) + Vec3::Y * 0.6).normalize_or(Vec3::Y);
-        let tint = Vec3::splat((0.55 + 0.45 * smoothstep(-1.0, 0.6, inside.y)) * chance.between(0.85, 1.15));
-        let size = 0.85 * extent.y.min(extent.z) * chance.between(0.8, 1.2);
-        card(model.paint(palette.leaves, tint), chance, cluster, at, normal, size);
+        let tint = Vec3::splat((0.55 + 0.45 * smoothstep(-1.0, 0.6, inside.y)) * rng.between(0.85, 1.15));
+        let size = 0.85 * extent.y.min(extent.z) * rng.between(0.8, 1.2);
+        card(model.paint(palette.leaves, tint), rng, cluster, at, normal, size);
     }
 }

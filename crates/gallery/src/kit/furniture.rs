@@ -10,7 +10,7 @@ use crate::{
         foliage::{Cluster, planting},
         palette::Palette,
     },
-    rng::Chance,
+    rng::Rng,
     shape::Model,
 };
 
@@ -232,7 +232,7 @@ pub(crate) fn crate_box(palette: &Palette, size: f32) -> Model {
 }
 
 /// A stone trough with a clipped bush.
-pub(crate) fn planter(palette: &Palette, chance: &mut Chance) -> Model {
+pub(crate) fn planter(palette: &Palette, rng: &mut Rng) -> Model {
     let mut model = Model::default();
     let stone = model.paint(palette.ashlar, Vec3::splat(0.9));
     let profile = [
@@ -251,13 +251,13 @@ pub(crate) fn planter(palette: &Palette, chance: &mut Chance) -> Model {
         let (radius, height) = (0.48 - 0.06 * (layer as f32 - 1.2).abs(), 0.62 + 0.17 * layer as f32);
         let reach = Vec3::new(radius, 0.16, radius);
         let bed = (Vec3::Y * height - reach, Vec3::Y * (height + 0.16) + reach);
-        planting(&mut model, palette, chance, Cluster::Hedge, bed, 44);
+        planting(&mut model, palette, rng, Cluster::Hedge, bed, 44);
     }
     model
 }
 
 /// A market stall under a striped roof, looking along +Z.
-pub(crate) fn stall(palette: &Palette, chance: &mut Chance) -> Model {
+pub(crate) fn stall(palette: &Palette, rng: &mut Rng) -> Model {
     let mut model = Model::default();
     let (half, deep) = (1.35, 0.75);
     let wood = model.paint(palette.timber, linear_from_hex(0x8a623c));
@@ -286,13 +286,13 @@ pub(crate) fn stall(palette: &Palette, chance: &mut Chance) -> Model {
         for row in 0..4 {
             for column in 0..4 {
                 let at = Vec3::new(
-                    x - 0.20 + 0.133 * column as f32 + chance.about(0.0, 0.015),
-                    1.02 + chance.about(0.02, 0.02),
-                    0.02 + 0.16 * row as f32 + chance.about(0.0, 0.015),
+                    x - 0.20 + 0.133 * column as f32 + rng.about(0.0, 0.015),
+                    1.02 + rng.about(0.02, 0.02),
+                    0.02 + 0.16 * row as f32 + rng.about(0.0, 0.015),
                 );
-                let r = chance.between(0.062, 0.072);
+                let r = rng.between(0.062, 0.072);
                 let ball = [(0.0, -r), (0.7 * r, -0.7 * r), (r, 0.0), (0.7 * r, 0.7 * r), (0.0, r)];
-                model.paint(palette.iron, colour * chance.between(0.7, 1.2)).lathe(at, &ball, 8);
+                model.paint(palette.iron, colour * rng.between(0.7, 1.2)).lathe(at, &ball, 8);
             }
         }
     }
@@ -300,7 +300,7 @@ pub(crate) fn stall(palette: &Palette, chance: &mut Chance) -> Model {
 }
 
 /// A café table with two chairs under a parasol.
-pub(crate) fn cafe_table(palette: &Palette, chance: &mut Chance, cloth: Vec3) -> Model {
+pub(crate) fn cafe_table(palette: &Palette, rng: &mut Rng, cloth: Vec3) -> Model {
     let mut model = Model::default();
     let iron = model.paint(palette.iron, cast_iron());
     iron.lathe(Vec3::ZERO, &[(0.26, 0.0), (0.24, 0.03), (0.03, 0.07), (0.025, 0.70), (0.025, 2.45)], 12);
@@ -322,7 +322,7 @@ pub(crate) fn cafe_table(palette: &Palette, chance: &mut Chance, cloth: Vec3) ->
         sail.quad([outer_a - drop, outer_b - drop, outer_b, outer_a]);
     }
     for side in [0.0, 0.5] {
-        let turn = side + chance.about(0.1, 0.06);
+        let turn = side + rng.about(0.1, 0.06);
         let place = Affine3A::from_rotation_translation(
             Quat::from_rotation_y(-TAU * turn - 0.25 * TAU),
             around(turn, 0.72, 0.0),
@@ -353,7 +353,7 @@ fn chair(palette: &Palette) -> Model {
 }
 
 /// An iron fire bowl on a stone foot, with logs and embers.
-pub(crate) fn fire_bowl(palette: &Palette, chance: &mut Chance) -> Model {
+pub(crate) fn fire_bowl(palette: &Palette, rng: &mut Rng) -> Model {
     let mut model = Model::default();
     let iron = model.paint(palette.iron, Vec3::new(0.06, 0.055, 0.05));
     let bowl = [
@@ -384,12 +384,11 @@ pub(crate) fn fire_bowl(palette: &Palette, chance: &mut Chance) -> Model {
     foot.lathe(Vec3::ZERO, &profile, 28);
     model.paint(palette.embers, Vec3::ONE).lathe(Vec3::ZERO, &[(0.56, 0.76), (0.25, 0.80), (0.0, 0.82)], 24);
     for log in 0..6 {
-        let turn = log as f32 / 6.0 + chance.about(0.0, 0.05);
-        let (low, high) =
-            (around(turn, 0.46, 0.80), around(turn + 0.5, 0.10, 1.06 + chance.about(0.0, 0.08)));
-        let radius = chance.between(0.045, 0.065);
+        let turn = log as f32 / 6.0 + rng.about(0.0, 0.05);
+        let (low, high) = (around(turn, 0.46, 0.80), around(turn + 0.5, 0.10, 1.06 + rng.about(0.0, 0.08)));
+        let radius = rng.between(0.045, 0.065);
         let bark = model.paint(palette.bark, Vec3::splat(0.22));
-        bark.shift_uv(Vec2::new(chance.unit(), chance.unit()));
+        bark.shift_uv(Vec2::new(rng.unit(), rng.unit()));
         bark.tube(&[(low, radius), (low.lerp(high, 0.5), radius * 1.05), (high, radius * 0.9)], 9);
     }
     model

@@ -13,7 +13,7 @@ use crate::{
         wind::Sway,
     },
     paint::smoothstep,
-    rng::Chance,
+    rng::Rng,
     shape::{Model, Shape, Vertex},
 };
 
@@ -187,20 +187,20 @@ fn on_scalp(out: Vec3) -> bool {
 
 /// A head of hair in her own space.
 pub(crate) fn hairs(count: u32, alpha_seed: u32, wind: Wind) -> Vec<Hair> {
-    let mut chance = Chance::new(alpha_seed, "girl's hair");
+    let mut rng = Rng::new(alpha_seed, "girl's hair");
     let solid = solid();
     let scalp = Body { forms: vec![SCALP], blend: 0.01 };
     let width = WIDTH * (15_000.0 / count.max(1) as f32).powf(0.6).clamp(0.5, 10.0);
     (0..count)
         .map(|_| {
             let (root, normal) = loop {
-                let (root, normal) = scalp.surface_point(&mut chance);
+                let (root, normal) = scalp.surface_point(&mut rng);
                 if on_scalp(normal) {
                     break (root, normal);
                 }
             };
-            let mut hair = Hair::grow(&mut chance, &solid, (root, normal), alpha_seed, wind);
-            hair.width = width * chance.between(0.7, 1.3);
+            let mut hair = Hair::grow(&mut rng, &solid, (root, normal), alpha_seed, wind);
+            hair.width = width * rng.between(0.7, 1.3);
             hair
         })
         .collect()
@@ -208,12 +208,12 @@ pub(crate) fn hairs(count: u32, alpha_seed: u32, wind: Wind) -> Vec<Hair> {
 
 impl Hair {
     /// Lets a hair stream from its root with the wind, its lock together.
-    fn grow(chance: &mut Chance, solid: &Body, (root, normal): (Vec3, Vec3), seed: u32, wind: Wind) -> Self {
+    fn grow(rng: &mut Rng, solid: &Body, (root, normal): (Vec3, Vec3), seed: u32, wind: Wind) -> Self {
         let tuft = hair::tuft(root, 0.034, seed);
         let [rise, drift, curl, long] = tuft.luck;
-        let stray = chance.happens(0.05);
-        let loose = chance.gaussian() * if stray { 0.16 } else { 0.035 };
-        let length = (0.62 + 0.36 * long) * chance.between(0.78, 1.05);
+        let stray = rng.happens(0.05);
+        let loose = rng.gaussian() * if stray { 0.16 } else { 0.035 };
+        let length = (0.62 + 0.36 * long) * rng.between(0.78, 1.05);
         let step = length / SEGMENTS as f32;
         let downwind = wind.normalize();
         let beside = downwind.cross(Vec3::Y).normalize();
@@ -237,12 +237,12 @@ impl Hair {
         }
         Self {
             rest,
-            side: chance.direction(),
-            twist_rad: chance.between(0.8, 2.2),
+            side: rng.direction(),
+            twist_rad: rng.between(0.8, 2.2),
             width: WIDTH,
-            colour: AUBURN * chance.between(0.75, 1.25) + Vec3::new(0.10, 0.05, 0.015) * chance.unit(),
+            colour: AUBURN * rng.between(0.75, 1.25) + Vec3::new(0.10, 0.05, 0.015) * rng.unit(),
             lift: Vec3::Y * 0.8 + beside * (1.4 * drift - 0.7),
-            phase_rad: TAU * 0.35 * curl + chance.about(0.0, 0.35),
+            phase_rad: TAU * 0.35 * curl + rng.about(0.0, 0.35),
         }
     }
 

@@ -9,7 +9,7 @@ use sheer_image::Image;
 use crate::{
     kit::wind::Sway,
     paint::{paint_colour, smoothstep},
-    rng::Chance,
+    rng::Rng,
     shape::{Shape, Vertex},
 };
 
@@ -52,8 +52,8 @@ enum Head {
 
 /// Paints the atlas; where nothing grows the colour goes on, so that no fringe shows.
 pub(crate) fn atlas(seed: u32) -> Image<[u8; 4]> {
-    let mut chance = Chance::new(seed, "grass atlas");
-    let quarters = SWARDS.map(|sward| stalks(&mut chance, sward));
+    let mut rng = Rng::new(seed, "grass atlas");
+    let quarters = SWARDS.map(|sward| stalks(&mut rng, sward));
     let texel = 2.0 / ATLAS_SIZE as f32;
     paint_colour(ATLAS_SIZE, |uv| {
         let quarter = (uv * 2.0).floor().min(Vec2::ONE);
@@ -75,7 +75,7 @@ pub(crate) fn atlas(seed: u32) -> Image<[u8; 4]> {
     })
 }
 
-fn stalks(chance: &mut Chance, sward: Sward) -> Vec<Stalk> {
+fn stalks(rng: &mut Rng, sward: Sward) -> Vec<Stalk> {
     let greens = [0x7c9440, 0x688436, 0x8ea24a, 0x9aa352, 0x5c7a34].map(linear_from_hex);
     let straw = [0xc9b873, 0xb8a862, 0xd6c88a].map(linear_from_hex);
     let (blades, heads, head) = match sward {
@@ -89,14 +89,14 @@ fn stalks(chance: &mut Chance, sward: Sward) -> Vec<Stalk> {
             let bears = index >= blades;
             let tones: &[Vec3] = if bears && head == Head::Ear { &straw } else { &greens };
             let (low, high) = if bears { (0.68, 0.88) } else { (0.35, 0.95) };
-            let foot = chance.between(0.22, 0.78);
-            let lean = chance.about(0.35 * (foot - 0.5), 0.16).clamp(0.10 - foot, 0.90 - foot);
+            let foot = rng.between(0.22, 0.78);
+            let lean = rng.about(0.35 * (foot - 0.5), 0.16).clamp(0.10 - foot, 0.90 - foot);
             Stalk {
                 foot,
                 lean,
-                height: chance.between(low, high),
-                half_width: if bears { 0.0055 } else { chance.between(0.010, 0.019) },
-                colour: *chance.pick(tones) * chance.between(0.75, 1.15),
+                height: rng.between(low, high),
+                half_width: if bears { 0.0055 } else { rng.between(0.010, 0.019) },
+                colour: *rng.pick(tones) * rng.between(0.75, 1.15),
                 head: if bears { head } else { Head::Point },
             }
         })
@@ -171,22 +171,21 @@ const BANDS: u32 = 2;
 
 impl Card {
     /// A card at a place: mostly grass, here and there a flower.
-    pub(crate) fn at(foot: Vec3, height: f32, chance: &mut Chance) -> Self {
-        let sward = match chance.unit() {
+    pub(crate) fn at(foot: Vec3, height: f32, rng: &mut Rng) -> Self {
+        let sward = match rng.unit() {
             share if share < 0.66 => Sward::Blades,
             share if share < 0.88 => Sward::Ears,
             share if share < 0.95 => Sward::Daisies,
             _ => Sward::Poppies,
         };
-        let across = Vec2::from_angle(chance.between(0.0, PI));
+        let across = Vec2::from_angle(rng.between(0.0, PI));
         Self {
             foot,
             across: Vec3::new(across.x, 0.0, across.y),
-            height: height * chance.between(0.75, 1.25),
+            height: height * rng.between(0.75, 1.25),
             sward,
-            tint: Vec3::new(chance.between(0.85, 1.2), 1.0, chance.between(0.8, 1.1))
-                * chance.between(0.8, 1.15),
-            phase_rad: 1.1 * foot.dot(Vec3::new(1.0, 0.0, 0.35)) + chance.about(0.0, 0.5),
+            tint: Vec3::new(rng.between(0.85, 1.2), 1.0, rng.between(0.8, 1.1)) * rng.between(0.8, 1.15),
+            phase_rad: 1.1 * foot.dot(Vec3::new(1.0, 0.0, 0.35)) + rng.about(0.0, 0.5),
         }
     }
 
@@ -220,6 +219,6 @@ impl Card {
 }
 
 /// A place in a disc, denser towards its middle.
-pub(crate) fn strewn(chance: &mut Chance, radius: f32) -> Vec2 {
-    Vec2::from_angle(chance.between(0.0, TAU)) * (radius * chance.unit().powf(0.72))
+pub(crate) fn strewn(rng: &mut Rng, radius: f32) -> Vec2 {
+    Vec2::from_angle(rng.between(0.0, TAU)) * (radius * rng.unit().powf(0.72))
 }

@@ -13,7 +13,7 @@ use crate::{
         palette::Palette,
     },
     paint::smoothstep,
-    rng::Chance,
+    rng::Rng,
     shape::{Model, Shape, Vertex},
 };
 
@@ -86,7 +86,7 @@ struct Opening {
 struct Site<'a> {
     house: House,
     palette: &'a Palette,
-    chance: &'a mut Chance,
+    rng: &'a mut Rng,
     model: Model,
 }
 
@@ -106,8 +106,8 @@ impl House {
     }
 
     /// Builds it.
-    pub(crate) fn build(self, palette: &Palette, chance: &mut Chance) -> Model {
-        let mut site = Site { house: self, palette, chance, model: Model::default() };
+    pub(crate) fn build(self, palette: &Palette, rng: &mut Rng) -> Model {
+        let mut site = Site { house: self, palette, rng, model: Model::default() };
         let openings = site.openings();
         site.front_wall(&openings);
         site.other_walls();
@@ -149,7 +149,7 @@ impl Site<'_> {
         let House { width, storey_count, gable_front, shop, .. } = self.house;
         let bay_count = (width / 2.35).floor().max(2.0) as u32;
         let bay = width / bay_count as f32;
-        let door_bay = self.chance.below(bay_count);
+        let door_bay = self.rng.below(bay_count);
         let mut openings = Vec::new();
         for storey in 0..storey_count {
             let floor = if storey == 0 { 0.0 } else { GROUND_FLOOR + STOREY * (storey - 1) as f32 };
@@ -340,7 +340,7 @@ impl Site<'_> {
             );
         }
         let quarter = if use_ == Use::Window {
-            *self.chance.pick(&[
+            *self.rng.pick(&[
                 Vec2::ZERO,
                 Vec2::new(0.5, 0.0),
                 Vec2::new(0.5, 0.0),
@@ -378,14 +378,14 @@ impl Site<'_> {
         self.model
             .paint(material, tint)
             .block(Vec3::new(low.x - 0.1, low.y - 0.075, -REVEAL), Vec3::new(high.x + 0.1, low.y, 0.13));
-        if low.y > 2.0 && self.chance.happens(0.38) {
+        if low.y > 2.0 && self.rng.happens(0.38) {
             let (left, right) = (low.x + 0.02, high.x - 0.02);
             self.model
                 .paint(self.palette.planks, linear_from_hex(0x6a4630))
                 .block(Vec3::new(left, low.y, -0.03), Vec3::new(right, low.y + 0.17, 0.14));
             let bed =
                 (Vec3::new(left + 0.04, low.y + 0.10, -0.02), Vec3::new(right - 0.04, low.y + 0.42, 0.24));
-            planting(&mut self.model, self.palette, self.chance, Cluster::Blossom, bed, 26);
+            planting(&mut self.model, self.palette, self.rng, Cluster::Blossom, bed, 26);
         }
     }
 
@@ -547,7 +547,7 @@ impl Site<'_> {
             let up = Vec3::Y * (rise + EAVES * slope) - out * (half_span + EAVES);
             let hidden = !gable_front && side < 0.0;
             let slope_plane = Slope { foot, run: right * length, up };
-            slope_plane.cover(&mut self.model, self.palette, self.chance, covering, roof, hidden);
+            slope_plane.cover(&mut self.model, self.palette, self.rng, covering, roof, hidden);
 
             // Boarding underneath, and a fascia along the eaves.
             let normal = slope_plane.normal();
@@ -598,7 +598,7 @@ impl Site<'_> {
         let count = (run.length() / 0.42).ceil() as u32;
         for index in 0..count {
             let (a, b) = (index as f32 / count as f32, (index as f32 + 1.06) / count as f32);
-            let shade = self.chance.between(0.75, 1.05);
+            let shade = self.rng.between(0.75, 1.05);
             let shape = self.model.paint(self.palette.tiles, tint * shade);
             shape.tube(
                 &[
@@ -612,10 +612,10 @@ impl Site<'_> {
 
     fn chimneys(&mut self, from: Vec3, run: Vec3, ridge: f32) {
         let along = run.normalize();
-        let places = if run.length() > 9.0 { vec![0.2, 0.8] } else { vec![*self.chance.pick(&[0.22, 0.72])] };
+        let places = if run.length() > 9.0 { vec![0.2, 0.8] } else { vec![*self.rng.pick(&[0.22, 0.72])] };
         for share in places {
             let at = from + run * share;
-            let (half, top) = (Vec3::new(0.36, 0.0, 0.46), ridge + self.chance.between(1.0, 1.5));
+            let (half, top) = (Vec3::new(0.36, 0.0, 0.46), ridge + self.rng.between(1.0, 1.5));
             let half = if along.z.abs() > 0.5 { Vec3::new(half.z, 0.0, half.x) } else { half };
             let foot = at.with_y(ridge - 1.2);
             self.model
@@ -687,7 +687,7 @@ impl Site<'_> {
                 } else {
                     Slope { foot: foot_point + run, run: -run, up }
                 };
-                plane.cover(&mut self.model, self.palette, self.chance, covering, roof, false);
+                plane.cover(&mut self.model, self.palette, self.rng, covering, roof, false);
                 let normal = plane.normal();
                 let verges = self.model.paint(self.palette.planks, trim * 0.8);
                 let low = foot_point - normal * 0.07;
@@ -723,7 +723,7 @@ impl Slope {
         &self,
         model: &mut Model,
         palette: &Palette,
-        chance: &mut Chance,
+        rng: &mut Rng,
         covering: Covering,
         tint: Vec3,
         hidden: bool,
@@ -746,10 +746,10 @@ impl Slope {
                 // Colour drifts over the roof, and every tile was fired on its own.
                 let place = Vec2::new(column as f32 / 9.0, row as f32 / 6.0);
                 let drift = 0.06 * ((place.x * 1.3 + place.y).sin() + (place.y * 1.7 - place.x * 0.6).sin());
-                let own = tint * (chance.between(0.78, 1.12) + drift);
-                let own = own * Vec3::new(1.0, chance.between(0.93, 1.05), chance.between(0.88, 1.06));
+                let own = tint * (rng.between(0.78, 1.12) + drift);
+                let own = own * Vec3::new(1.0, rng.between(0.93, 1.05), rng.between(0.88, 1.06));
                 let shape = model.paint(palette.tiles, own);
-                shape.shift_uv(Vec2::new(chance.unit(), chance.unit()) * 1.5);
+                shape.shift_uv(Vec2::new(rng.unit(), rng.unit()) * 1.5);
                 self.tile(shape, covering, (column, columns), (row, rows));
                 shape.shift_uv(Vec2::ZERO);
             }

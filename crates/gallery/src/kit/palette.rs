@@ -6,7 +6,7 @@ use sheer_image::Image;
 use sheer_scene::model::{AlphaMode, Material, TextureRef};
 
 use crate::{
-    builder::Stage,
+    builder::SceneBuilder,
     kit::foliage,
     paint::{Noise, Painting, Texel, paint, paint_colour, smoothstep},
 };
@@ -45,8 +45,8 @@ pub(crate) struct Palette {
 
 impl Palette {
     /// Paints all textures and adds all materials.
-    pub(crate) fn new(stage: &mut Stage, seed: u32) -> Self {
-        let mut easel = Easel { stage, seed };
+    pub(crate) fn new(builder: &mut SceneBuilder, seed: u32) -> Self {
+        let mut easel = Easel { builder, seed };
         let plain = |name: &str, colour: Vec3, roughness: f32, metallic: f32| Material {
             name: name.to_owned(),
             base_colour: colour.extend(1.0),
@@ -73,18 +73,18 @@ impl Palette {
             panes: easel.panes(),
             awning: easel.awning(),
             dial: easel.dial(),
-            iron: easel.stage.material(plain("iron", Vec3::ONE, 0.45, 0.0)),
-            metal: easel.stage.material(plain("metal", Vec3::ONE, 0.3, 1.0)),
-            water: easel.stage.material(plain("water", Vec3::new(0.02, 0.05, 0.05), 0.04, 0.0)),
-            lantern: easel.stage.material(emissive("lantern", Vec3::splat(0.8), Vec3::new(1.0, 0.72, 0.4))),
-            embers: easel.stage.material(emissive("embers", Vec3::splat(0.05), Vec3::new(6.0, 1.6, 0.3))),
+            iron: easel.builder.material(plain("iron", Vec3::ONE, 0.45, 0.0)),
+            metal: easel.builder.material(plain("metal", Vec3::ONE, 0.3, 1.0)),
+            water: easel.builder.material(plain("water", Vec3::new(0.02, 0.05, 0.05), 0.04, 0.0)),
+            lantern: easel.builder.material(emissive("lantern", Vec3::splat(0.8), Vec3::new(1.0, 0.72, 0.4))),
+            embers: easel.builder.material(emissive("embers", Vec3::splat(0.05), Vec3::new(6.0, 1.6, 0.3))),
         }
     }
 }
 
 /// Where textures are painted.
 struct Easel<'a> {
-    stage: &'a mut Stage,
+    builder: &'a mut SceneBuilder,
     seed: u32,
 }
 
@@ -101,11 +101,11 @@ impl Easel<'_> {
         let Painting { colour, normal, surface } = paint(size, |uv| texel(noise, uv));
         let mut tiled = |kind: &str, image, srgb| TextureRef {
             transform: Affine2::from_scale(Vec2::splat(1.0 / tile_metres)),
-            ..TextureRef::new(self.stage.texture(&format!("{name} {kind}"), image, srgb))
+            ..TextureRef::new(self.builder.texture(&format!("{name} {kind}"), image, srgb))
         };
         let (colour, normal, surface) =
             (tiled("colour", colour, true), tiled("normal", normal, false), tiled("surface", surface, false));
-        self.stage.material(Material {
+        self.builder.material(Material {
             name: name.to_owned(),
             base_colour_texture: Some(colour),
             normal_texture: Some(normal),
@@ -116,8 +116,8 @@ impl Easel<'_> {
     }
 
     fn cut_out(&mut self, name: &str, image: Image<[u8; 4]>) -> u32 {
-        let texture = TextureRef::new(self.stage.texture(name, image, true));
-        self.stage.material(Material {
+        let texture = TextureRef::new(self.builder.texture(name, image, true));
+        self.builder.material(Material {
             name: name.to_owned(),
             base_colour_texture: Some(texture),
             alpha_mode: AlphaMode::Mask { cutoff: 0.5 },
@@ -129,8 +129,8 @@ impl Easel<'_> {
     fn panes(&mut self) -> u32 {
         let noise = Noise { seed: self.seed.wrapping_add(91) };
         let image = paint_colour(256, |uv| (pane(noise, uv), 1.0));
-        let texture = TextureRef::new(self.stage.texture("window panes", image, true));
-        self.stage.material(Material {
+        let texture = TextureRef::new(self.builder.texture("window panes", image, true));
+        self.builder.material(Material {
             name: "window panes".to_owned(),
             base_colour_texture: Some(texture),
             roughness: 0.05,
@@ -147,9 +147,9 @@ impl Easel<'_> {
         });
         let texture = TextureRef {
             transform: Affine2::from_scale(Vec2::splat(1.0 / 0.5)),
-            ..TextureRef::new(self.stage.texture("awning", image, true))
+            ..TextureRef::new(self.builder.texture("awning", image, true))
         };
-        self.stage.material(Material {
+        self.builder.material(Material {
             name: "awning".to_owned(),
             base_colour_texture: Some(texture),
             base_colour: Vec4::new(0.9, 0.87, 0.78, 1.0),
@@ -160,8 +160,8 @@ impl Easel<'_> {
 
     fn dial(&mut self) -> u32 {
         let image = paint_colour(256, |uv| (dial(uv), 1.0));
-        let texture = TextureRef::new(self.stage.texture("dial", image, true));
-        self.stage.material(Material {
+        let texture = TextureRef::new(self.builder.texture("dial", image, true));
+        self.builder.material(Material {
             name: "dial".to_owned(),
             base_colour_texture: Some(texture),
             roughness: 0.4,

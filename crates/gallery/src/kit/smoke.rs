@@ -5,9 +5,9 @@ use sheer_image::Image;
 use sheer_scene::model::{AlphaMode, Material, ShadingModel, TextureRef};
 
 use crate::{
-    builder::Stage,
+    builder::SceneBuilder,
     paint::{Noise, paint_colour, smoothstep},
-    rng::Chance,
+    rng::Rng,
 };
 
 /// Columns and rows of the atlas.
@@ -53,9 +53,9 @@ fn puff(noise: Noise, p: Vec2) -> (Vec3, f32) {
 }
 
 /// The material of all smoke: what it looks like beyond its light is in its atlas and in each particle's tint.
-pub(crate) fn material(stage: &mut Stage, seed: u32) -> u32 {
-    let atlas = stage.texture("puffs", puff_atlas(seed), true);
-    stage.material(Material {
+pub(crate) fn material(builder: &mut SceneBuilder, seed: u32) -> u32 {
+    let atlas = builder.texture("puffs", puff_atlas(seed), true);
+    builder.material(Material {
         name: "smoke".to_owned(),
         model: ShadingModel::Smoke,
         base_colour_texture: Some(TextureRef::new(atlas)),
@@ -66,7 +66,7 @@ pub(crate) fn material(stage: &mut Stage, seed: u32) -> u32 {
 }
 
 /// A light grey that varies a little, now warmer, now cooler.
-pub(crate) fn tint(chance: &mut Chance) -> Vec3 {
-    let warmth = chance.about(0.0, 0.03);
-    Vec3::new(0.70 + warmth, 0.70, 0.70 - warmth) * chance.between(0.86, 1.06)
+pub(crate) fn tint(rng: &mut Rng) -> Vec3 {
+    let warmth = rng.about(0.0, 0.03);
+    Vec3::new(0.70 + warmth, 0.70, 0.70 - warmth) * rng.between(0.86, 1.06)
 }

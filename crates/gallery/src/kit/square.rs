@@ -9,7 +9,7 @@ use sheer_core::colour::linear_from_hex;
 use sheer_scene::environment::{Environment, Lobe};
 
 use crate::{
-    builder::{Prop, Stage},
+    builder::{Prop, SceneBuilder},
     kit::{
         foliage::{Cluster, Habit, planting, tree},
         furniture,
@@ -17,7 +17,7 @@ use crate::{
         palette::Palette,
     },
     paint::{Noise, smoothstep},
-    rng::Chance,
+    rng::Rng,
     shape::Model,
 };
 
@@ -55,14 +55,14 @@ pub(crate) fn sky() -> Environment {
 }
 
 /// Builds the square without smoke: everything opaque or cut out.
-pub(crate) fn raise(stage: &mut Stage, seed: u32) -> Palette {
-    let palette = Palette::new(stage, seed);
-    stage.sun(towards_sun(), Vec3::new(4.9, 3.75, 2.4));
-    put_ground(stage, &palette, seed);
-    put_houses(stage, &palette, seed);
-    put_tower(stage, &palette, seed);
-    put_trees(stage, &palette, seed);
-    put_furniture(stage, &palette, seed);
+pub(crate) fn raise(builder: &mut SceneBuilder, seed: u32) -> Palette {
+    let palette = Palette::new(builder, seed);
+    builder.sun(towards_sun(), Vec3::new(4.9, 3.75, 2.4));
+    put_ground(builder, &palette, seed);
+    put_houses(builder, &palette, seed);
+    put_tower(builder, &palette, seed);
+    put_trees(builder, &palette, seed);
+    put_furniture(builder, &palette, seed);
     palette
 }
 
@@ -71,7 +71,7 @@ fn at(x: f32, z: f32, turn_rad: f32) -> Affine3A {
     Affine3A::from_rotation_translation(Quat::from_rotation_y(turn_rad), Vec3::new(x, 0.0, z))
 }
 
-fn put_ground(stage: &mut Stage, palette: &Palette, seed: u32) {
+fn put_ground(builder: &mut SceneBuilder, palette: &Palette, seed: u32) {
     let noise = Noise { seed: seed.wrapping_add(400) };
     // Broad stains, since a texture of two and a half metres repeats many times; the foot of the kerbs stays dark and damp.
     let shade = |p: Vec3| {
@@ -118,7 +118,7 @@ fn put_ground(stage: &mut Stage, palette: &Palette, seed: u32) {
         72,
     );
     ground.shade(|p, _| shade(p));
-    stage.put("ground", ground);
+    builder.put("ground", ground);
 
     let mut pavement = Model::default();
     let slabs = pavement.paint(palette.slabs, Vec3::ONE);
@@ -134,7 +134,7 @@ fn put_ground(stage: &mut Stage, palette: &Palette, seed: u32) {
         let wall = (HALF_WIDTH - p.x.abs()).min(p.z - NORTH).min(SOUTH - p.z);
         if n.y > 0.5 { 0.66 + 0.34 * smoothstep(-0.2, 1.5, wall) } else { 0.8 }
     });
-    stage.put("pavement", pavement);
+    builder.put("pavement", pavement);
 
     // Meadow and hills beyond the town, bluer with distance.
     let mut land = Model::default();
@@ -163,35 +163,35 @@ fn put_ground(stage: &mut Stage, palette: &Palette, seed: u32) {
             ]);
         }
     }
-    stage.put("land", land);
+    builder.put("land", land);
 }
 
 /// Fronts that no two neighbours share.
-fn design(chance: &mut Chance, width: f32, previous: Option<&House>) -> House {
+fn design(rng: &mut Rng, width: f32, previous: Option<&House>) -> House {
     let plasters =
         [0xe9d9b0, 0xdcb183, 0xd89a78, 0xc9c4a8, 0xe8e0d0, 0xb9c2b4, 0xd8c08a, 0xc98f6a].map(linear_from_hex);
     let paints = [0x3f5c4a, 0x5a2f2a, 0x33475c, 0x6a5238, 0x4a3a52, 0x2f4f4f].map(linear_from_hex);
     let roofs = [0xa04e30, 0x8a4630, 0xb0603c, 0x7a4436, 0x6a5a54].map(linear_from_hex);
-    let gable_front = width < 8.4 && chance.happens(0.55) && previous.is_none_or(|house| !house.gable_front);
+    let gable_front = width < 8.4 && rng.happens(0.55) && previous.is_none_or(|house| !house.gable_front);
     let storeys = [2, 3, 3];
     let mut house = House {
         width,
         depth: 9.0,
-        storey_count: *chance.pick(&storeys),
-        pitch: chance.between(0.95, 1.2),
+        storey_count: *rng.pick(&storeys),
+        pitch: rng.between(0.95, 1.2),
         gable_front,
         wall: Wall::Brick,
         trim: linear_from_hex(0xe6dfcf),
-        paint: *chance.pick(&paints),
-        covering: if chance.happens(0.5) { Covering::Pantile } else { Covering::Plain },
-        roof: *chance.pick(&roofs),
+        paint: *rng.pick(&paints),
+        covering: if rng.happens(0.5) { Covering::Pantile } else { Covering::Plain },
+        roof: *rng.pick(&roofs),
         shutters: false,
-        shop: chance.happens(0.5),
+        shop: rng.happens(0.5),
         dormer_count: if gable_front { 0 } else { (width / 3.2) as u32 },
     };
     loop {
-        let plaster = *chance.pick(&plasters);
-        house.wall = match chance.below(10) {
+        let plaster = *rng.pick(&plasters);
+        house.wall = match rng.below(10) {
             0..=4 => Wall::Plaster(plaster),
             5..=7 => Wall::HalfTimber(linear_from_hex(0xeae2cc)),
             _ => Wall::Brick,
@@ -205,12 +205,12 @@ fn design(chance: &mut Chance, width: f32, previous: Option<&House>) -> House {
             break;
         }
     }
-    house.shutters = matches!(house.wall, Wall::Plaster(_)) && chance.happens(0.6);
+    house.shutters = matches!(house.wall, Wall::Plaster(_)) && rng.happens(0.6);
     house
 }
 
-fn put_houses(stage: &mut Stage, palette: &Palette, seed: u32) {
-    let mut chance = Chance::new(seed, "houses");
+fn put_houses(builder: &mut SceneBuilder, palette: &Palette, seed: u32) {
+    let mut rng = Rng::new(seed, "houses");
     // Fronts from left to right as one faces them: where the row begins, which way its houses look, and their widths.
     let rows: [(Vec3, f32, &[f32]); 8] = [
         (Vec3::new(-19.0, 0.0, NORTH), 0.0, &[6.2, 6.6]),
@@ -228,10 +228,10 @@ fn put_houses(stage: &mut Stage, palette: &Palette, seed: u32) {
         let mut from = 0.0;
         let mut previous: Option<House> = None;
         for &width in widths {
-            let house = design(&mut chance, width, previous.as_ref());
-            let prop = stage.prop("house", house.build(palette, &mut chance));
+            let house = design(&mut rng, width, previous.as_ref());
+            let prop = builder.prop("house", house.build(palette, &mut rng));
             let middle = start + rotation * Vec3::X * (from + 0.5 * width);
-            stage.place(&prop, Affine3A::from_rotation_translation(rotation, middle));
+            builder.place(&prop, Affine3A::from_rotation_translation(rotation, middle));
             from += width;
             previous = Some(house);
         }
@@ -242,8 +242,8 @@ fn put_houses(stage: &mut Stage, palette: &Palette, seed: u32) {
 const CHURCH_HILL: f32 = 7.0;
 
 /// A church tower at the end of the street to the north.
-fn put_tower(stage: &mut Stage, palette: &Palette, seed: u32) {
-    let mut chance = Chance::new(seed, "tower");
+fn put_tower(builder: &mut SceneBuilder, palette: &Palette, seed: u32) {
+    let mut rng = Rng::new(seed, "tower");
     let mut model = Model::default();
     let (half, top) = (2.7, 17.5);
     let stone = model.paint(palette.ashlar, Vec3::new(0.95, 0.92, 0.88));
@@ -312,7 +312,7 @@ fn put_tower(stage: &mut Stage, palette: &Palette, seed: u32) {
                 let (a, b) = (row as f32 / rows as f32, (row as f32 + 1.0) / rows as f32);
                 let (r0, r1) = (wide + (narrow - wide) * a, wide + (narrow - wide) * b);
                 let (y0, y1) = (low + (high - low) * a, low + (high - low) * b);
-                let shape = face.paint(palette.tiles, slate * chance.between(0.8, 1.1));
+                let shape = face.paint(palette.tiles, slate * rng.between(0.8, 1.1));
                 // Each course stands a little over the one below.
                 shape.quad([
                     Vec3::new(-r0 - 0.03, y0, r0 + 0.03),
@@ -347,19 +347,19 @@ fn put_tower(stage: &mut Stage, palette: &Palette, seed: u32) {
         let foot = Vec3::new(side * 5.0, 9.2, if side > 0.0 { -half } else { -20.3 });
         let run = Vec3::new(0.0, 0.0, -side * 17.6);
         let plane = Slope { foot, run, up: Vec3::new(-side * 5.0, 5.6, 0.0) };
-        plane.cover(&mut model, palette, &mut chance, Covering::Plain, linear_from_hex(0x8a4630), true);
+        plane.cover(&mut model, palette, &mut rng, Covering::Plain, linear_from_hex(0x8a4630), true);
     }
-    stage.put_at("church", model, Affine3A::from_translation(Vec3::new(-9.2, CHURCH_HILL, -52.0)));
+    builder.put_at("church", model, Affine3A::from_translation(Vec3::new(-9.2, CHURCH_HILL, -52.0)));
 }
 
-fn put_trees(stage: &mut Stage, palette: &Palette, seed: u32) {
-    let mut chance = Chance::new(seed, "trees");
+fn put_trees(builder: &mut SceneBuilder, palette: &Palette, seed: u32) {
+    let mut rng = Rng::new(seed, "trees");
     let habits = [
         Habit { height: 9.2, radius: 3.1, clear: 0.30, clump_count: 48, cards_per_clump: 46, turning: 0.10 },
         Habit { height: 7.6, radius: 2.7, clear: 0.32, clump_count: 40, cards_per_clump: 46, turning: 0.42 },
     ];
     let trees: Vec<Prop> =
-        habits.map(|habit| stage.prop("tree", tree(palette, &mut chance, habit))).into_iter().collect();
+        habits.map(|habit| builder.prop("tree", tree(palette, &mut rng, habit))).into_iter().collect();
     let places: [(f32, f32, usize); 10] = [
         (-4.6, 10.8, 0),
         (-13.6, -10.2, 0),
@@ -373,11 +373,11 @@ fn put_trees(stage: &mut Stage, palette: &Palette, seed: u32) {
         (-27.0, 19.5, 0),
     ];
     for (x, z, kind) in places {
-        let scale = chance.between(0.92, 1.08);
-        let turn = Quat::from_rotation_y(chance.between(0.0, 2.0 * PI));
+        let scale = rng.between(0.92, 1.08);
+        let turn = Quat::from_rotation_y(rng.between(0.0, 2.0 * PI));
         let world_from_tree =
             Affine3A::from_scale_rotation_translation(Vec3::splat(scale), turn, Vec3::new(x, 0.0, z));
-        stage.place(&trees[kind], world_from_tree);
+        builder.place(&trees[kind], world_from_tree);
         if x.abs() < HALF_WIDTH {
             // A square of soil behind a stone edge.
             let mut pit = Model::default();
@@ -391,7 +391,7 @@ fn put_trees(stage: &mut Stage, palette: &Palette, seed: u32) {
             edge.block(Vec3::new(-0.95, -0.02, -0.95), Vec3::new(0.95, 0.09, -0.8));
             edge.block(Vec3::new(-0.95, -0.02, -0.8), Vec3::new(-0.8, 0.09, 0.8));
             edge.block(Vec3::new(0.8, -0.02, -0.8), Vec3::new(0.95, 0.09, 0.8));
-            stage.put_at("tree pit", pit, at(x, z, 0.0));
+            builder.put_at("tree pit", pit, at(x, z, 0.0));
         }
     }
     // A low wall with a hedge closes the square towards the park.
@@ -406,16 +406,16 @@ fn put_trees(stage: &mut Stage, palette: &Palette, seed: u32) {
     for half_metre in 0..31 {
         let z = -0.6 + 0.5 * half_metre as f32;
         let bed = (Vec3::new(-19.2, 0.0, z), Vec3::new(-18.5, 1.05, z + 0.7));
-        planting(&mut wall, palette, &mut chance, Cluster::Hedge, bed, 36);
+        planting(&mut wall, palette, &mut rng, Cluster::Hedge, bed, 36);
     }
-    stage.put("park wall", wall);
+    builder.put("park wall", wall);
 }
 
-fn put_furniture(stage: &mut Stage, palette: &Palette, seed: u32) {
-    let mut chance = Chance::new(seed, "furniture");
-    stage.put_at("fountain", furniture::fountain(palette), at(FOUNTAIN.x, FOUNTAIN.z, 0.0));
+fn put_furniture(builder: &mut SceneBuilder, palette: &Palette, seed: u32) {
+    let mut rng = Rng::new(seed, "furniture");
+    builder.put_at("fountain", furniture::fountain(palette), at(FOUNTAIN.x, FOUNTAIN.z, 0.0));
 
-    let lamp = stage.prop("lamp post", furniture::lamp_post(palette));
+    let lamp = builder.prop("lamp post", furniture::lamp_post(palette));
     for (x, z) in [
         (SHADOW_LAMP.x, SHADOW_LAMP.z),
         (-10.8, 6.4),
@@ -424,37 +424,37 @@ fn put_furniture(stage: &mut Stage, palette: &Palette, seed: u32) {
         (2.2, -12.4),
         (11.8, 6.8),
     ] {
-        stage.place(&lamp, at(x, z, 0.3));
+        builder.place(&lamp, at(x, z, 0.3));
     }
 
-    let bench = stage.prop("bench", furniture::bench(palette));
+    let bench = builder.prop("bench", furniture::bench(palette));
     for (x, z, turn_rad) in
         [(-11.6, -4.6, FRAC_PI_2), (-5.4, -11.0, 0.05), (-1.2, -9.6, -0.8), (13.2, -4.2, -FRAC_PI_2)]
     {
-        stage.place(&bench, at(x, z, turn_rad));
+        builder.place(&bench, at(x, z, turn_rad));
     }
 
-    let barrel = stage.prop("barrel", furniture::barrel(palette));
+    let barrel = builder.prop("barrel", furniture::barrel(palette));
     for (x, z) in [(9.6, -11.2), (10.35, -11.0), (9.9, -10.45)] {
-        stage.place(&barrel, at(x, z, chance.between(0.0, PI)));
+        builder.place(&barrel, at(x, z, rng.between(0.0, PI)));
     }
-    let crate_prop = stage.prop("crate", furniture::crate_box(palette, 0.72));
+    let crate_prop = builder.prop("crate", furniture::crate_box(palette, 0.72));
     for (x, z) in [(6.1, -11.4), (7.0, -11.2), (6.3, -10.5)] {
-        stage.place(&crate_prop, at(x, z, chance.about(0.1, 0.25)));
+        builder.place(&crate_prop, at(x, z, rng.about(0.1, 0.25)));
     }
     let upper = Affine3A::from_translation(Vec3::Y * 0.72) * at(6.55, -11.3, 0.6);
-    stage.place(&crate_prop, upper);
+    builder.place(&crate_prop, upper);
 
-    stage.put_at("stall", furniture::stall(palette, &mut chance), at(8.0, -9.4, -0.12));
-    stage.put_at("stall", furniture::stall(palette, &mut chance), at(3.6, -10.2, 0.1));
-    let planter = stage.prop("planter", furniture::planter(palette, &mut chance));
+    builder.put_at("stall", furniture::stall(palette, &mut rng), at(8.0, -9.4, -0.12));
+    builder.put_at("stall", furniture::stall(palette, &mut rng), at(3.6, -10.2, 0.1));
+    let planter = builder.prop("planter", furniture::planter(palette, &mut rng));
     for (x, z) in [(-7.4, -13.0), (-1.0, -13.0), (14.9, -1.0), (14.9, 3.0), (-14.9, -6.0)] {
-        stage.place(&planter, at(x, z, chance.between(0.0, PI)));
+        builder.place(&planter, at(x, z, rng.between(0.0, PI)));
     }
     let cloths = [0xd8d0b8, 0x7a2f28, 0xd8d0b8].map(linear_from_hex);
     for ((x, z), cloth) in [(-13.9, -2.6), (-12.6, -7.2), (-14.2, 5.0)].into_iter().zip(cloths) {
-        let table = furniture::cafe_table(palette, &mut chance, cloth);
-        stage.put_at("café table", table, at(x, z, chance.between(0.0, PI)));
+        let table = furniture::cafe_table(palette, &mut rng, cloth);
+        builder.put_at("café table", table, at(x, z, rng.between(0.0, PI)));
     }
-    stage.put_at("fire bowl", furniture::fire_bowl(palette, &mut chance), at(FIRE_BOWL.x, FIRE_BOWL.z, 0.0));
+    builder.put_at("fire bowl", furniture::fire_bowl(palette, &mut rng), at(FIRE_BOWL.x, FIRE_BOWL.z, 0.0));
 }

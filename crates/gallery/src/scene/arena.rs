@@ -11,7 +11,7 @@ use sheer_scene::{
 };
 
 use self::spell::Effects;
-use crate::{builder::Stage, kit::palette::Palette, seed::SEED};
+use crate::{builder::SceneBuilder, kit::palette::Palette, seed::SEED};
 
 mod body;
 mod cast;
@@ -36,15 +36,20 @@ const YFOV_RAD: f32 = 0.70;
 
 pub(crate) fn build(values: &Values) -> Result<Scene, SceneError> {
     let seed = values.count(SEED.key);
-    let mut stage = Stage::new("arena", place::dusk());
-    let palette = Palette::new(&mut stage, seed);
-    place::raise(&mut stage, &palette, seed);
-    let cast = cast::assemble(&mut stage, &palette, seed);
-    spell::conjure(&mut stage, &cast, Effects { amount: values.real("effects"), seed });
+    let mut builder = SceneBuilder::new("arena", place::dusk());
+    let palette = Palette::new(&mut builder, seed);
+    place::raise(&mut builder, &palette, seed);
+    let cast = cast::assemble(&mut builder, &palette, seed);
+    spell::conjure(&mut builder, &cast, Effects { amount: values.real("effects"), seed });
 
-    stage.camera(Camera::fixed("static", YFOV_RAD, Vec3::new(-0.9, 2.75, 10.5), Vec3::new(0.10, 1.85, -1.0)));
+    builder.camera(Camera::fixed(
+        "static",
+        YFOV_RAD,
+        Vec3::new(-0.9, 2.75, 10.5),
+        Vec3::new(0.10, 1.85, -1.0),
+    ));
     let key = |time_secs, eye: Vec3, target: Vec3| CameraKey { time_secs, eye, target };
-    stage.camera(Camera {
+    builder.camera(Camera {
         name: "path".to_owned(),
         lens: Lens::Perspective { yfov_rad: 0.80 },
         motion: CameraMotion::Path {
@@ -59,8 +64,8 @@ pub(crate) fn build(values: &Values) -> Result<Scene, SceneError> {
     });
     // Within the ring: a wider circle would run through the pillars.
     let (target, eye) = (Vec3::new(0.0, 1.7, 0.0), Vec3::new(-0.6, 2.7, 9.4));
-    stage.camera(Camera::orbit(Lens::Perspective { yfov_rad: 0.80 }, target, eye));
-    stage.finish()
+    builder.camera(Camera::orbit(Lens::Perspective { yfov_rad: 0.80 }, target, eye));
+    builder.finish()
 }
 
 #[cfg(test)]

@@ -9,7 +9,7 @@ use sheer_scene::{
     model::{AlphaMode, Material, ShadingModel},
 };
 
-use crate::{builder::Stage, seed::SEED, shape::Model};
+use crate::{builder::SceneBuilder, seed::SEED, shape::Model};
 
 pub(crate) const PARAMETERS: &[ParameterInfo] = &[SEED];
 
@@ -19,15 +19,15 @@ const LEVEL_COUNT: u32 = 10;
 const HALF_WIDTH: f32 = 16.0 / 9.0;
 
 pub(crate) fn build(_: &Values) -> Result<Scene, SceneError> {
-    let mut stage = Stage::new("calibration", Environment::black());
+    let mut builder = SceneBuilder::new("calibration", Environment::black());
     let unlit = |name: &str, alpha_mode| Material {
         name: name.to_owned(),
         model: ShadingModel::Unlit,
         alpha_mode,
         ..Material::default()
     };
-    let white = stage.material(unlit("white of ten opacities", AlphaMode::Blend));
-    let grey = stage.material(unlit("ten greys", AlphaMode::Opaque));
+    let white = builder.material(unlit("white of ten opacities", AlphaMode::Blend));
+    let grey = builder.material(unlit("ten greys", AlphaMode::Opaque));
 
     let (mut transparent, mut opaque) = (Model::default(), Model::default());
     let width = 2.0 * HALF_WIDTH / LEVEL_COUNT as f32;
@@ -40,16 +40,16 @@ pub(crate) fn build(_: &Values) -> Result<Scene, SceneError> {
         let lower = opaque.paint(grey, Vec3::ONE).brush(Vec4::new(value, value, value, 1.0));
         lower.panel(Vec3::new(left, -1.0, 0.0), right, up);
     }
-    stage.put("ten opacities", transparent);
-    stage.put("ten greys", opaque);
+    builder.put("ten opacities", transparent);
+    builder.put("ten greys", opaque);
 
     let key = CameraKey { time_secs: 0.0, eye: Vec3::Z, target: Vec3::ZERO };
-    stage.camera(Camera {
+    builder.camera(Camera {
         name: "static".to_owned(),
         lens: Lens::Orthographic { half_height: 1.0 },
         motion: CameraMotion::Path { keys: vec![key] },
     });
-    stage.finish()
+    builder.finish()
 }
 
 #[cfg(test)]

@@ -16,13 +16,13 @@ use sheer_scene::{
 };
 
 use crate::{
-    builder::Stage,
+    builder::SceneBuilder,
     kit::{
         body::{Body, Form, arc},
         hair::{self, Strand},
     },
     paint::smoothstep,
-    rng::Chance,
+    rng::Rng,
     seed::SEED,
     shape::{Model, Shape},
 };
@@ -67,7 +67,7 @@ pub(crate) fn build(values: &Values) -> Result<Scene, SceneError> {
         radiance,
         sharpness,
     };
-    let mut stage = Stage::new(
+    let mut builder = SceneBuilder::new(
         "hairball",
         Environment {
             zenith: Vec3::new(0.34, 0.37, 0.42),
@@ -82,19 +82,19 @@ pub(crate) fn build(values: &Values) -> Result<Scene, SceneError> {
         },
     );
     let (key, rim, middle) = (Vec3::new(-3.7, 3.5, 1.6), Vec3::new(1.9, 2.2, -2.1), Vec3::Y * 0.55);
-    stage.spot("key", key, middle, Vec3::new(84.0, 75.0, 62.0), [0.20, 0.62]);
-    stage.spot("rim", rim, middle, Vec3::new(52.0, 50.0, 50.0), [0.16, 0.30]);
-    put_room(&mut stage);
-    put_puppy(&mut stage);
-    put_coat(&mut stage, values);
+    builder.spot("key", key, middle, Vec3::new(84.0, 75.0, 62.0), [0.20, 0.62]);
+    builder.spot("rim", rim, middle, Vec3::new(52.0, 50.0, 50.0), [0.16, 0.30]);
+    put_room(&mut builder);
+    put_puppy(&mut builder);
+    put_coat(&mut builder, values);
 
     let (eye, target) = (Vec3::new(-0.95, 0.86, 2.75), Vec3::new(-0.06, 0.565, 0.0));
     let lens = Lens::Perspective { yfov_rad: YFOV_RAD };
-    stage.camera(Camera::fixed("static", YFOV_RAD, eye, target));
-    stage.camera(Camera::orbit(lens, Vec3::new(0.0, 0.56, 0.0), Vec3::new(-0.95, 0.86, 2.75)));
+    builder.camera(Camera::fixed("static", YFOV_RAD, eye, target));
+    builder.camera(Camera::orbit(lens, Vec3::new(0.0, 0.56, 0.0), Vec3::new(-0.95, 0.86, 2.75)));
     let key = |time_secs, eye, target| CameraKey { time_secs, eye, target };
     // Up to the face and around it.
-    stage.camera(Camera {
+    builder.camera(Camera {
         name: "path".to_owned(),
         lens,
         motion: CameraMotion::Path {
@@ -105,13 +105,13 @@ pub(crate) fn build(values: &Values) -> Result<Scene, SceneError> {
             ],
         },
     });
-    stage.finish()
+    builder.finish()
 }
 
 /// A round floor that bends up into a wall: no horizon behind the animal, from wherever it is looked at.
-fn put_room(stage: &mut Stage) {
+fn put_room(builder: &mut SceneBuilder) {
     let plain = |name: &str, roughness| Material { name: name.to_owned(), roughness, ..Material::default() };
-    let paper = stage.material(plain("paper", 0.95));
+    let paper = builder.material(plain("paper", 0.95));
     let mut room = Model::default();
     let mut profile: Vec<(f32, f32)> = vec![(7.0, 3.6)];
     let bend = 1.6;
@@ -121,9 +121,9 @@ fn put_room(stage: &mut Stage) {
     }));
     profile.push((0.0, 0.0));
     room.paint(paper, Vec3::new(0.20, 0.33, 0.34)).lathe(Vec3::ZERO, &profile, 96);
-    stage.put("room", room);
+    builder.put("room", room);
     // A ball to play with.
-    let rubber = stage.material(plain("rubber", 0.4));
+    let rubber = builder.material(plain("rubber", 0.4));
     let (middle, radius) = (Vec3::new(-0.56, 0.12, 0.10), 0.12);
     let mut ball = Shape::default();
     ball.lathe(Vec3::ZERO, &arc(radius, 0.0, -1.0, 1.0, 48), 96);
@@ -133,7 +133,7 @@ fn put_room(stage: &mut Stage) {
         Vec3::new(0.86, 0.80, 0.66).lerp(Vec3::new(0.62, 0.07, 0.045), band)
     });
     let turn = Quat::from_euler(EulerRot::XYZ, 0.5, 0.0, 0.45);
-    stage.put_at("ball", toy, Affine3A::from_rotation_translation(turn, middle));
+    builder.put_at("ball", toy, Affine3A::from_rotation_translation(turn, middle));
 }
 
 fn limb(from: Vec3, to: Vec3, radius_from: f32, radius_to: f32) -> Form {
@@ -170,11 +170,11 @@ fn body() -> Body {
 }
 
 /// What lies under the coat, and what the coat leaves bare: eyes, nose and tongue.
-fn put_puppy(stage: &mut Stage) {
+fn put_puppy(builder: &mut SceneBuilder) {
     let matt = |name: &str, roughness| Material { name: name.to_owned(), roughness, ..Material::default() };
-    let skin = stage.material(matt("skin", 0.9));
-    let wet = stage.material(matt("wet", 0.05));
-    let tongue = stage.material(matt("tongue", 0.35));
+    let skin = builder.material(matt("skin", 0.9));
+    let wet = builder.material(matt("wet", 0.05));
+    let tongue = builder.material(matt("tongue", 0.35));
     let mut model = Model::default();
     let body = body();
     for &form in &body.forms {
@@ -190,7 +190,7 @@ fn put_puppy(stage: &mut Stage) {
     let lolling =
         Form::Ellipsoid { centre: Vec3::new(0.004, 0.758, 0.372), radii: Vec3::new(0.026, 0.042, 0.014) };
     lolling.mesh(model.paint(tongue, Vec3::new(0.72, 0.22, 0.22)), 0.0);
-    stage.put("puppy", model);
+    builder.put("puppy", model);
 }
 
 /// What grows at a place of the body.
@@ -265,9 +265,9 @@ fn coat_at(p: Vec3, n: Vec3) -> Coat {
 /// How often a hair is thrown again if it would get in the way of eyes or nose; after that it is taken as it is, which never happens.
 const MAX_THROWS: u32 = 64;
 
-fn put_coat(stage: &mut Stage, values: &Values) {
+fn put_coat(builder: &mut SceneBuilder, values: &Values) {
     let (count, alpha, seed) = (values.count("hairs"), values.real("alpha"), values.count(SEED.key));
-    let material = stage.material(hair::material("hair", 0.42));
+    let material = builder.material(hair::material("hair", 0.42));
     let body = body();
     // The same cover whatever the count: fewer hairs are broader.
     let width = WIDTH * (300_000.0 / count as f32).powf(0.7).clamp(0.5, 12.0);
@@ -275,39 +275,39 @@ fn put_coat(stage: &mut Stage, values: &Values) {
     let locks: Vec<Shape> = (0..lock_count)
         .into_par_iter()
         .map(|lock| {
-            let mut chance = Chance::new(seed, &format!("lock {lock}"));
+            let mut rng = Rng::new(seed, &format!("lock {lock}"));
             let mut shape = Shape::default();
             for _ in (lock..count).step_by(lock_count as usize) {
-                add_hair(&mut shape, &mut chance, &body, seed, width, alpha);
+                add_hair(&mut shape, &mut rng, &body, seed, width, alpha);
             }
             shape
         })
         .collect();
     for shape in locks {
-        stage.put("lock", Model::from_shape(material, shape));
+        builder.put("lock", Model::from_shape(material, shape));
     }
 }
 
-fn add_hair(shape: &mut Shape, chance: &mut Chance, body: &Body, seed: u32, width: f32, alpha: f32) {
+fn add_hair(shape: &mut Shape, rng: &mut Rng, body: &Body, seed: u32, width: f32, alpha: f32) {
     let mut points = [Vec3::ZERO; SEGMENTS + 1];
     let mut coat = coat_at(Vec3::ZERO, Vec3::Y);
     for _ in 0..MAX_THROWS {
-        let (root, normal) = body.surface_point(chance);
+        let (root, normal) = body.surface_point(rng);
         // Markings have soft edges: a hair may have the colour of a place nearby.
-        coat = coat_at(root + chance.gaussian() * 0.012, normal);
-        grow(&mut points, chance, body, seed, (root, normal), &coat);
+        coat = coat_at(root + rng.gaussian() * 0.012, normal);
+        grow(&mut points, rng, body, seed, (root, normal), &coat);
         if !points.iter().any(|&point| in_the_way(point)) {
             break;
         }
     }
-    let shade = chance.between(0.75, 1.15);
-    let grey = chance.happens(0.06);
+    let shade = rng.between(0.75, 1.15);
+    let grey = rng.happens(0.06);
     let tip = if grey { coat.colour.lerp(CREAM, 0.6) } else { coat.colour } * shade;
     let strand = Strand {
         points: &points,
-        width: width * chance.between(0.7, 1.3) * (0.55 + coat.length / 0.13),
-        side: chance.direction(),
-        twist_rad: chance.between(0.6, 1.6),
+        width: width * rng.between(0.7, 1.3) * (0.55 + coat.length / 0.13),
+        side: rng.direction(),
+        twist_rad: rng.between(0.6, 1.6),
     };
     hair::ribbon(shape, &strand, |way| {
         // The undercoat is darker, and little light gets down to it.
@@ -332,16 +332,16 @@ fn in_the_way(p: Vec3) -> bool {
 /// Lets a hair grow: out of the skin, then the way it is combed, held off the body and drawn towards the middle of its tuft.
 fn grow(
     points: &mut [Vec3; SEGMENTS + 1],
-    chance: &mut Chance,
+    rng: &mut Rng,
     body: &Body,
     seed: u32,
     (root, normal): (Vec3, Vec3),
     coat: &Coat,
 ) {
-    let stray = chance.happens(0.04);
-    let length = coat.length * chance.between(0.65, 1.1) * if stray { 1.25 } else { 1.0 };
+    let stray = rng.happens(0.04);
+    let length = coat.length * rng.between(0.65, 1.1) * if stray { 1.25 } else { 1.0 };
     let step = length / SEGMENTS as f32;
-    let wander = chance.gaussian() * if stray { 0.5 } else { 0.16 };
+    let wander = rng.gaussian() * if stray { 0.5 } else { 0.16 };
     let inward = hair::tuft(root, 0.035 + 0.12 * coat.length, seed).centre - root;
     let inward = inward - normal * normal.dot(inward);
     let comb = coat.comb - normal * normal.dot(coat.comb);

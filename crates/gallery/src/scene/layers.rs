@@ -9,7 +9,7 @@ use sheer_scene::{
     model::{AlphaMode, Material, ShadingModel},
 };
 
-use crate::{builder::Stage, rng::Chance, seed::SEED, shape::Model};
+use crate::{builder::SceneBuilder, rng::Rng, seed::SEED, shape::Model};
 
 pub(crate) const PARAMETERS: &[ParameterInfo] = &[
     ParameterInfo {
@@ -118,29 +118,35 @@ pub(crate) fn build(values: &Values) -> Result<Scene, SceneError> {
     let values = values.clone().with_defaults(preset(values.text("preset")));
     let (count, alpha) = (values.count("count"), values.real("alpha"));
     let colours = LayerColours::from_word(values.text("colours")).expect("checked against its range");
-    let mut stage = Stage::new("layers", Environment::black());
+    let mut builder = SceneBuilder::new("layers", Environment::black());
 
     // Stored in shuffled order: a method that composites right does not live on the order of the list.
     let mut order: Vec<u32> = (0..count).collect();
-    Chance::new(values.count(SEED.key), "layers").shuffle(&mut order);
+    Rng::new(values.count(SEED.key), "layers").shuffle(&mut order);
     for index in order {
         let colour = colours.layer(index, count).extend(alpha);
-        put_sheet(&mut stage, &format!("layer {index}"), AlphaMode::Blend, colour, -(index as f32) * SPACING);
+        put_sheet(
+            &mut builder,
+            &format!("layer {index}"),
+            AlphaMode::Blend,
+            colour,
+            -(index as f32) * SPACING,
+        );
     }
     let behind = colours.background(values.real("background")).extend(1.0);
-    put_sheet(&mut stage, "background", AlphaMode::Opaque, behind, -(count as f32) * SPACING);
+    put_sheet(&mut builder, "background", AlphaMode::Opaque, behind, -(count as f32) * SPACING);
 
     let key = CameraKey { time_secs: 0.0, eye: Vec3::Z, target: Vec3::ZERO };
-    stage.camera(Camera {
+    builder.camera(Camera {
         name: "static".to_owned(),
         lens: Lens::Orthographic { half_height: 1.0 },
         motion: CameraMotion::Path { keys: vec![key] },
     });
-    stage.finish()
+    builder.finish()
 }
 
-fn put_sheet(stage: &mut Stage, name: &str, alpha_mode: AlphaMode, base_colour: Vec4, depth: f32) {
-    let material = stage.material(Material {
+fn put_sheet(builder: &mut SceneBuilder, name: &str, alpha_mode: AlphaMode, base_colour: Vec4, depth: f32) {
+    let material = builder.material(Material {
         name: name.to_owned(),
         model: ShadingModel::Unlit,
         base_colour,
@@ -153,8 +159,8 @@ fn put_sheet(stage: &mut Stage, name: &str, alpha_mode: AlphaMode, base_colour: 
         Vec3::X * 2.0 * HALF_EXTENT.x,
         Vec3::Y * 2.0 * HALF_EXTENT.y,
     );
-    let prop = stage.prop(name, model);
-    stage.place(&prop, Affine3A::from_translation(Vec3::Z * depth));
+    let prop = builder.prop(name, model);
+    builder.place(&prop, Affine3A::from_translation(Vec3::Z * depth));
 }
 
 #[cfg(test)]

@@ -15,9 +15,9 @@ use sheer_scene::{
 };
 
 use crate::{
-    builder::{Prop, Stage},
+    builder::{Prop, SceneBuilder},
     kit::mechanical::{circle, ring, stand},
-    rng::Chance,
+    rng::Rng,
     seed::SEED,
     shape::{Model, Shape},
 };
@@ -156,10 +156,10 @@ impl Cylinder {
 
 /// The motor in the making.
 struct Assembly {
-    stage: Stage,
+    builder: SceneBuilder,
     finish: Finish,
     layout: Layout,
-    chance: Chance,
+    rng: Rng,
     bolt: Prop,
 }
 
@@ -168,27 +168,27 @@ impl Assembly {
     fn part(&mut self, name: &str, material: u32, draw: impl FnOnce(&mut Shape)) -> Prop {
         let mut model = Model::default();
         draw(model.paint(material, Vec3::ONE));
-        self.stage.prop(name, model)
+        self.builder.prop(name, model)
     }
 
     /// A part that stays where it is drawn.
     fn put(&mut self, name: &str, material: u32, draw: impl FnOnce(&mut Shape)) {
         let part = self.part(name, material, draw);
-        self.stage.place(&part, Affine3A::IDENTITY);
+        self.builder.place(&part, Affine3A::IDENTITY);
     }
 
     /// A part drawn in the space of a bank, once a bank.
     fn put_on_banks(&mut self, name: &str, material: u32, draw: impl FnOnce(&mut Shape)) {
         let part = self.part(name, material, draw);
         for bank in BANKS {
-            self.stage.place(&part, bank.to_world());
+            self.builder.place(&part, bank.to_world());
         }
     }
 
     /// A hexagon bolt, tightened as far as chance would have it; `seat` is where its head lies, `size` the radius of its shank.
     fn bolt(&mut self, seat: Vec3, axis: Vec3, size: f32) {
-        let turn = Affine3A::from_rotation_y(self.chance.between(0.0, TAU));
-        self.stage.place(&self.bolt, stand(seat, axis) * turn * Affine3A::from_scale(Vec3::splat(size)));
+        let turn = Affine3A::from_rotation_y(self.rng.between(0.0, TAU));
+        self.builder.place(&self.bolt, stand(seat, axis) * turn * Affine3A::from_scale(Vec3::splat(size)));
     }
 
     /// A part that turns evenly around the z axis through `centre`: clockwise, so many turns a cycle.
@@ -197,7 +197,7 @@ impl Assembly {
         let count = (8.0 * turns.abs()).ceil() as u32;
         let rotation = |share: f32| Quat::from_rotation_z(start_rad - TAU * turns * share);
         let rest = Transform::Trs { translation: centre, rotation: rotation(0.0), scale: Vec3::ONE };
-        self.stage.place_moving(part, rest, vec![Track::Rotation(keys(count, rotation))]);
+        self.builder.place_moving(part, rest, vec![Track::Rotation(keys(count, rotation))]);
     }
 
     /// A part that is led as a function of the crank angle; its place at angle zero is its place at rest.
@@ -216,7 +216,7 @@ impl Assembly {
             Track::Translation(keys(KEY_COUNT, |share| translation(crank(share)))),
         ];
         tracks.extend(scale.map(|scale| Track::Scale(keys(KEY_COUNT, |share| scale(crank(share))))));
-        self.stage.place_moving(part, rest, tracks);
+        self.builder.place_moving(part, rest, tracks);
     }
 }
 
@@ -231,15 +231,15 @@ fn keys<T>(count: u32, value: impl Fn(f32) -> T) -> Keys<T> {
 }
 
 pub(crate) fn build(values: &Values) -> Result<Scene, SceneError> {
-    let mut stage = Stage::new("motor", studio());
+    let mut builder = SceneBuilder::new("motor", studio());
     let seed = values.count(SEED.key);
-    let finish = Finish::new(&mut stage, values.real("alpha"), seed);
-    stage.sun(Vec3::new(0.35, 0.80, 0.55), Vec3::new(3.3, 3.1, 2.9));
+    let finish = Finish::new(&mut builder, values.real("alpha"), seed);
+    builder.sun(Vec3::new(0.35, 0.80, 0.55), Vec3::new(3.3, 3.1, 2.9));
     let mut model = Model::default();
     draw_bolt(model.paint(finish.steel, Vec3::ONE));
-    let bolt = stage.prop("bolt", model);
+    let bolt = builder.prop("bolt", model);
     let layout = Layout { cylinders: values.count("cylinders") };
-    let mut assembly = Assembly { stage, finish, layout, chance: Chance::new(seed, "bolts"), bolt };
+    let mut assembly = Assembly { builder, finish, layout, rng: Rng::new(seed, "bolts"), bolt };
     block::put(&mut assembly);
     crank::put(&mut assembly);
     head::put(&mut assembly);
@@ -247,8 +247,8 @@ pub(crate) fn build(values: &Values) -> Result<Scene, SceneError> {
     timing::put(&mut assembly);
     pipes::put(&mut assembly);
     ancillaries::put(&mut assembly);
-    put_cameras(&mut assembly.stage, layout);
-    assembly.stage.finish()
+    put_cameras(&mut assembly.builder, layout);
+    assembly.builder.finish()
 }
 
 /// A bolt whose shank has radius 1 and whose head sits on the origin: proportions of ISO 4014 and 7089.
@@ -280,17 +280,17 @@ fn studio() -> Environment {
     }
 }
 
-fn put_cameras(stage: &mut Stage, layout: Layout) {
+fn put_cameras(builder: &mut SceneBuilder, layout: Layout) {
     const YFOV_RAD: f32 = 0.42;
     let target = Vec3::new(0.1, 1.0, 0.0);
     // Further back from a longer engine.
     let eye = target + Vec3::new(0.58, 0.36, 0.73).normalize() * (12.3 + 2.2 * layout.half());
-    stage.camera(Camera::fixed("static", YFOV_RAD, eye, target));
+    builder.camera(Camera::fixed("static", YFOV_RAD, eye, target));
     let lens = Lens::Perspective { yfov_rad: YFOV_RAD };
-    stage.camera(Camera::orbit(lens, target, eye));
+    builder.camera(Camera::orbit(lens, target, eye));
     let front = layout.half();
     let key = |time_secs, eye, target| CameraKey { time_secs, eye, target };
-    stage.camera(Camera {
+    builder.camera(Camera {
         name: "path".to_owned(),
         lens,
         motion: CameraMotion::Path {

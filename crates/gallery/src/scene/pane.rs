@@ -8,7 +8,7 @@ use sheer_scene::{
     model::{AlphaMode, Material},
 };
 
-use crate::{builder::Stage, kit::square, seed::SEED, shape::Model};
+use crate::{builder::SceneBuilder, kit::square, seed::SEED, shape::Model};
 
 pub(crate) const PARAMETERS: &[ParameterInfo] = &[
     ParameterInfo {
@@ -23,10 +23,10 @@ pub(crate) const PARAMETERS: &[ParameterInfo] = &[
 const YFOV_RAD: f32 = 0.80;
 
 pub(crate) fn build(values: &Values) -> Result<Scene, SceneError> {
-    let mut stage = Stage::new("pane", square::sky());
-    let palette = square::raise(&mut stage, values.count(SEED.key));
+    let mut builder = SceneBuilder::new("pane", square::sky());
+    let palette = square::raise(&mut builder, values.count(SEED.key));
 
-    let material = stage.material(Material {
+    let material = builder.material(Material {
         name: "pane".to_owned(),
         base_colour: Vec4::new(0.34, 0.62, 0.74, values.real("alpha")),
         alpha_mode: AlphaMode::Blend,
@@ -46,18 +46,18 @@ pub(crate) fn build(values: &Values) -> Result<Scene, SceneError> {
         iron.beam(Vec3::new(low.x, y, 0.0), Vec3::new(high.x, y, 0.0), Vec3::Y, 0.08, 0.08);
     }
     let place = Affine3A::from_rotation_translation(Quat::from_rotation_y(-0.12), Vec3::new(2.4, 0.0, 5.0));
-    stage.put_at("frame", frame, place);
+    builder.put_at("frame", frame, place);
     let mut pane = Model::default();
     pane.paint(material, Vec3::ONE).panel(low, Vec3::X * (high.x - low.x), Vec3::Y * (high.y - low.y));
-    stage.put_at("pane", pane, place);
+    builder.put_at("pane", pane, place);
 
-    stage.camera(Camera::fixed("static", YFOV_RAD, Vec3::new(0.6, 1.75, 12.0), Vec3::new(1.0, 2.5, -4.0)));
+    builder.camera(Camera::fixed("static", YFOV_RAD, Vec3::new(0.6, 1.75, 12.0), Vec3::new(1.0, 2.5, -4.0)));
     let key = |time_secs, x: f32| CameraKey {
         time_secs,
         eye: Vec3::new(x, 1.75, 12.0),
         target: Vec3::new(0.6 * x + 0.6, 2.5, -4.0),
     };
-    stage.camera(Camera {
+    builder.camera(Camera {
         name: "path".to_owned(),
         lens: Lens::Perspective { yfov_rad: YFOV_RAD },
         motion: CameraMotion::Path { keys: vec![key(0.0, -4.0), key(4.0, 0.6), key(8.0, 5.2)] },
@@ -65,8 +65,8 @@ pub(crate) fn build(values: &Values) -> Result<Scene, SceneError> {
     let middle = place.transform_point3(0.5 * (low + high));
     // Around the pane; the circle that fits the whole town would run through its walls.
     let eye = middle + Vec3::new(1.5, 0.6, 6.0);
-    stage.camera(Camera::orbit(Lens::Perspective { yfov_rad: YFOV_RAD }, middle, eye));
-    stage.finish()
+    builder.camera(Camera::orbit(Lens::Perspective { yfov_rad: YFOV_RAD }, middle, eye));
+    builder.finish()
 }
 
 #[cfg(test)]

@@ -12,13 +12,13 @@ use sheer_scene::{
 };
 
 use crate::{
-    builder::Stage,
+    builder::SceneBuilder,
     kit::{
         furniture,
         palette::Palette,
         smoke::{self, ATLAS},
     },
-    rng::Chance,
+    rng::Rng,
     seed::SEED,
     shape::Model,
 };
@@ -58,13 +58,13 @@ pub(crate) fn build(values: &Values) -> Result<Scene, SceneError> {
             },
         ],
     };
-    let mut stage = Stage::new("plume", environment);
-    let palette = Palette::new(&mut stage, values.count(SEED.key));
-    stage.sun(towards_sun, Vec3::new(8.6, 7.2, 5.4));
-    put_court(&mut stage, &palette, values.count(SEED.key));
+    let mut builder = SceneBuilder::new("plume", environment);
+    let palette = Palette::new(&mut builder, values.count(SEED.key));
+    builder.sun(towards_sun, Vec3::new(8.6, 7.2, 5.4));
+    put_court(&mut builder, &palette, values.count(SEED.key));
 
-    let material = smoke::material(&mut stage, values.count(SEED.key));
-    stage.particles(ParticleSystem {
+    let material = smoke::material(&mut builder, values.count(SEED.key));
+    builder.particles(ParticleSystem {
         name: "plume".to_owned(),
         material,
         atlas: ATLAS,
@@ -75,9 +75,9 @@ pub(crate) fn build(values: &Values) -> Result<Scene, SceneError> {
         near_fade: [0.9, 0.2],
     });
 
-    stage.camera(Camera::fixed("static", 0.68, Vec3::new(1.6, 2.1, 12.2), Vec3::new(0.55, 3.65, 0.0)));
+    builder.camera(Camera::fixed("static", 0.68, Vec3::new(1.6, 2.1, 12.2), Vec3::new(0.55, 3.65, 0.0)));
     let key = |time_secs, eye, target| CameraKey { time_secs, eye, target };
-    stage.camera(Camera {
+    builder.camera(Camera {
         name: "path".to_owned(),
         lens: Lens::Perspective { yfov_rad: 0.68 },
         motion: CameraMotion::Path {
@@ -88,12 +88,12 @@ pub(crate) fn build(values: &Values) -> Result<Scene, SceneError> {
             ],
         },
     });
-    stage.finish()
+    builder.finish()
 }
 
 /// A round floor of slabs with a stone rim around the fire, and a curved wall behind it.
-fn put_court(stage: &mut Stage, palette: &Palette, seed: u32) {
-    let mut chance = Chance::new(seed, "court");
+fn put_court(builder: &mut SceneBuilder, palette: &Palette, seed: u32) {
+    let mut rng = Rng::new(seed, "court");
     let mut court = Model::default();
     court.paint(palette.slabs, Vec3::new(0.50, 0.47, 0.45)).panel(
         Vec3::new(-30.0, 0.0, 30.0),
@@ -105,37 +105,37 @@ fn put_court(stage: &mut Stage, palette: &Palette, seed: u32) {
         &[(1.9, 0.0), (1.88, 0.14), (1.5, 0.15), (1.48, 0.06), (0.0, 0.06)],
         64,
     );
-    stage.put("court", court);
-    let bowl = stage.prop("fire bowl", furniture::fire_bowl(palette, &mut chance));
+    builder.put("court", court);
+    let bowl = builder.prop("fire bowl", furniture::fire_bowl(palette, &mut rng));
     let world_from_bowl = Affine3A::from_rotation_translation(Quat::IDENTITY, Vec3::Y * 0.06);
-    stage.place(&bowl, world_from_bowl);
-    stage.lamp("embers", Vec3::new(0.0, 1.25, 0.0), Vec3::new(5.0, 1.7, 0.4), 9.0);
+    builder.place(&bowl, world_from_bowl);
+    builder.lamp("embers", Vec3::new(0.0, 1.25, 0.0), Vec3::new(5.0, 1.7, 0.4), 9.0);
 }
 
 /// Puffs of smoke in rings that the fire breathes out: each ring rises, widens, curls around its own core and leans with the wind.
 fn plume(count: u32, density: f32, seed: u32) -> Vec<Particle> {
-    let mut chance = Chance::new(seed, "plume");
+    let mut rng = Rng::new(seed, "plume");
     // The same optical depth whatever the count: fewer puffs are larger.
     let scale = (100_000.0 / count.max(1) as f32).powf(0.4).clamp(0.6, 3.0);
-    let rings: Vec<Ring> = (0..RING_COUNT).map(|index| Ring::new(index, &mut chance)).collect();
+    let rings: Vec<Ring> = (0..RING_COUNT).map(|index| Ring::new(index, &mut rng)).collect();
     (0..count)
         .map(|index| {
             let ring = &rings[index as usize % rings.len()];
             // Most puffs lie on the ring's core, some in its middle, some trail behind as haze.
-            let around = Vec2::from_angle(chance.between(0.0, TAU));
+            let around = Vec2::from_angle(rng.between(0.0, TAU));
             let strand = Vec3::new(around.x, 0.0, around.y);
-            let (reach, stray) = match chance.unit() {
+            let (reach, stray) = match rng.unit() {
                 share if share < 0.62 => (1.0, 0.34),
-                share if share < 0.88 => (chance.unit(), 0.5),
+                share if share < 0.88 => (rng.unit(), 0.5),
                 _ => (1.25, 0.8),
             };
-            let lag_secs = chance.gaussian().x * ring.spread_secs;
-            let lifetime_secs = LOOP_SECS * chance.between(0.80, 1.0);
+            let lag_secs = rng.gaussian().x * ring.spread_secs;
+            let lifetime_secs = LOOP_SECS * rng.between(0.80, 1.0);
             // Five lobes make the ring a cauliflower.
             let lobe = 1.0 + 0.22 * (5.0 * around.y.atan2(around.x) + ring.phase).sin();
-            let out = (strand * reach * lobe + chance.gaussian() * stray * 0.5) * ring.width;
+            let out = (strand * reach * lobe + rng.gaussian() * stray * 0.5) * ring.width;
             let origin =
-                Vec3::Y * 0.95 + strand * reach * 0.22 + chance.gaussian() * Vec3::new(0.07, 0.04, 0.07);
+                Vec3::Y * 0.95 + strand * reach * 0.22 + rng.gaussian() * Vec3::new(0.07, 0.04, 0.07);
             let aim = ring.aim + out * Vec3::new(1.0, 0.75, 1.0);
             // Fast at first, slowing as it cools; the wind takes hold gradually, and the ring widens evenly.
             let late = Vec3::new(ring.aim.x * 0.8, (aim - origin).y * -0.55, ring.aim.z * 0.8);
@@ -147,12 +147,12 @@ fn plume(count: u32, density: f32, seed: u32) -> Vec<Particle> {
                 origin,
                 velocity,
                 acceleration,
-                half_size: [0.045 * scale, chance.between(0.15, 0.30) * scale],
-                rotation_rad: chance.between(0.0, TAU),
-                spin_rad_per_sec: chance.about(0.0, 0.6),
-                alpha: (density * chance.between(0.08, 0.24)).min(1.0),
-                tint: smoke::tint(&mut chance),
-                tile: chance.below(ATLAS[0] * ATLAS[1]),
+                half_size: [0.045 * scale, rng.between(0.15, 0.30) * scale],
+                rotation_rad: rng.between(0.0, TAU),
+                spin_rad_per_sec: rng.about(0.0, 0.6),
+                alpha: (density * rng.between(0.08, 0.24)).min(1.0),
+                tint: smoke::tint(&mut rng),
+                tile: rng.below(ATLAS[0] * ATLAS[1]),
             }
         })
         .collect()
@@ -173,15 +173,15 @@ struct Ring {
 const RING_COUNT: u32 = 13;
 
 impl Ring {
-    fn new(index: u32, chance: &mut Chance) -> Self {
+    fn new(index: u32, rng: &mut Rng) -> Self {
         let big = index.is_multiple_of(2);
-        let sway = Vec2::from_angle(TAU * 0.381_966 * index as f32) * chance.between(0.15, 0.55);
+        let sway = Vec2::from_angle(TAU * 0.381_966 * index as f32) * rng.between(0.15, 0.55);
         Self {
-            birth_secs: LOOP_SECS * (index as f32 + chance.about(0.0, 0.25)) / RING_COUNT as f32,
+            birth_secs: LOOP_SECS * (index as f32 + rng.about(0.0, 0.25)) / RING_COUNT as f32,
             spread_secs: if big { 0.22 } else { 0.34 },
-            aim: Vec3::new(1.9 + sway.x, HEIGHT * chance.between(0.92, 1.12), sway.y),
-            width: if big { chance.between(1.35, 1.7) } else { chance.between(0.85, 1.15) },
-            phase: chance.between(0.0, TAU),
+            aim: Vec3::new(1.9 + sway.x, HEIGHT * rng.between(0.92, 1.12), sway.y),
+            width: if big { rng.between(1.35, 1.7) } else { rng.between(0.85, 1.15) },
+            phase: rng.between(0.0, TAU),
         }
     }
 }

@@ -13,12 +13,12 @@ use sheer_scene::{
 };
 
 use crate::{
-    builder::Stage,
+    builder::SceneBuilder,
     kit::{
         smoke::{self, ATLAS},
         square,
     },
-    rng::Chance,
+    rng::Rng,
     seed::SEED,
 };
 
@@ -48,11 +48,11 @@ const WIND: Vec3 = Vec3::new(-0.20, 0.015, 0.05);
 const YFOV_RAD: f32 = 0.87;
 
 pub(crate) fn build(values: &Values) -> Result<Scene, SceneError> {
-    let mut stage = Stage::new("smoke-square", square::sky());
-    square::raise(&mut stage, values.count(SEED.key));
-    let material = smoke::material(&mut stage, values.count(SEED.key));
+    let mut builder = SceneBuilder::new("smoke-square", square::sky());
+    square::raise(&mut builder, values.count(SEED.key));
+    let material = smoke::material(&mut builder, values.count(SEED.key));
     let cloud = cloud(values.count("particles"), values.real("density"), values.count(SEED.key));
-    stage.particles(ParticleSystem {
+    builder.particles(ParticleSystem {
         name: "cloud".to_owned(),
         material,
         atlas: ATLAS,
@@ -64,7 +64,7 @@ pub(crate) fn build(values: &Values) -> Result<Scene, SceneError> {
     });
 
     let key = |time_secs, eye: Vec3, target: Vec3| CameraKey { time_secs, eye, target };
-    stage.camera(Camera {
+    builder.camera(Camera {
         name: "path".to_owned(),
         lens: Lens::Perspective { yfov_rad: YFOV_RAD },
         motion: CameraMotion::Path {
@@ -77,11 +77,11 @@ pub(crate) fn build(values: &Values) -> Result<Scene, SceneError> {
             ],
         },
     });
-    stage.camera(Camera::fixed("static", 0.76, Vec3::new(3.0, 1.72, 15.0), Vec3::new(-1.4, 3.7, -5.0)));
+    builder.camera(Camera::fixed("static", 0.76, Vec3::new(3.0, 1.72, 15.0), Vec3::new(-1.4, 3.7, -5.0)));
     // Around the cloud; the circle that fits the whole town would run through its walls.
     let eye = CLOUD + Vec3::new(5.4, 0.5, 4.2);
-    stage.camera(Camera::orbit(Lens::Perspective { yfov_rad: YFOV_RAD }, CLOUD, eye));
-    stage.finish()
+    builder.camera(Camera::orbit(Lens::Perspective { yfov_rad: YFOV_RAD }, CLOUD, eye));
+    builder.finish()
 }
 
 /// A head of smoke: it swells, rolls along with the wind and dissolves.
@@ -110,92 +110,92 @@ const BILLOW_SIZE: u32 = 40;
 
 impl Head {
     /// One of the heads, evenly spread over the loop and over the way from the fire to where the cloud dissolves.
-    fn new(index: u32, chance: &mut Chance) -> Self {
+    fn new(index: u32, rng: &mut Rng) -> Self {
         // Steps of the golden ratio: heads that are born one after the other lie apart.
-        let way = (index as f32 * 0.618_034 + chance.about(0.0, 0.03)).rem_euclid(1.0);
+        let way = (index as f32 * 0.618_034 + rng.about(0.0, 0.03)).rem_euclid(1.0);
         let girth = 0.65 + 1.45 * (PI * (0.12 + 0.80 * way)).sin();
         let spine = CLOUD + CLOUD_REACH * (2.0 * way - 1.0);
-        let out = chance.direction() * Vec3::new(0.5, 0.75, 1.1) + Vec3::Y * 0.15;
+        let out = rng.direction() * Vec3::new(0.5, 0.75, 1.1) + Vec3::Y * 0.15;
         Self {
             centre: spine + out * girth * 0.75,
-            radius: girth * chance.between(0.48, 0.78),
+            radius: girth * rng.between(0.48, 0.78),
             birth_secs: LOOP_SECS * index as f32 / HEAD_COUNT as f32,
-            drift: WIND * chance.between(0.8, 1.2) + Vec3::Y * chance.between(0.0, 0.035),
+            drift: WIND * rng.between(0.8, 1.2) + Vec3::Y * rng.between(0.0, 0.035),
         }
     }
 }
 
 impl Billow {
-    fn new(heads: &[Head], chance: &mut Chance) -> Self {
-        let head = chance.pick(heads);
-        let direction = chance.direction();
-        let haze = chance.happens(0.22);
+    fn new(heads: &[Head], rng: &mut Rng) -> Self {
+        let head = rng.pick(heads);
+        let direction = rng.direction();
+        let haze = rng.happens(0.22);
         // Billows sit on the surface of their head; haze lies around it.
-        let reach = head.radius * if haze { chance.between(0.8, 1.7) } else { chance.between(0.25, 0.8) };
+        let reach = head.radius * if haze { rng.between(0.8, 1.7) } else { rng.between(0.25, 0.8) };
         Self {
             centre: head.centre + direction * reach * Vec3::new(1.1, 0.9, 1.0),
-            size: head.radius * if haze { chance.between(0.6, 0.9) } else { chance.between(0.30, 0.50) },
-            birth_secs: head.birth_secs + chance.about(0.0, 1.5),
+            size: head.radius * if haze { rng.between(0.6, 0.9) } else { rng.between(0.30, 0.50) },
+            birth_secs: head.birth_secs + rng.about(0.0, 1.5),
             drift: head.drift + direction * 0.03,
-            thickness: if haze { chance.between(0.35, 0.7) } else { chance.between(0.8, 1.5) },
+            thickness: if haze { rng.between(0.35, 0.7) } else { rng.between(0.8, 1.5) },
         }
     }
 }
 
 /// Heads that roll along with the wind and dissolve, and a stream that feeds them from the fire bowl.
 fn cloud(count: u32, density: f32, seed: u32) -> Vec<Particle> {
-    let mut chance = Chance::new(seed, "cloud");
+    let mut rng = Rng::new(seed, "cloud");
     let stream_count = count / 6;
     let mut particles = Vec::with_capacity(count as usize);
-    let heads: Vec<Head> = (0..HEAD_COUNT).map(|index| Head::new(index, &mut chance)).collect();
+    let heads: Vec<Head> = (0..HEAD_COUNT).map(|index| Head::new(index, &mut rng)).collect();
     let mut billow = Billow::default();
     for index in 0..count - stream_count {
         if index % BILLOW_SIZE == 0 {
-            billow = Billow::new(&heads, &mut chance);
+            billow = Billow::new(&heads, &mut rng);
         }
         let Billow { centre, size, birth_secs, drift, thickness } = billow;
-        let shell = chance.direction() * chance.unit().powf(0.42) * size;
+        let shell = rng.direction() * rng.unit().powf(0.42) * size;
         let mut middle = centre + shell * Vec3::new(1.2, 0.8, 1.0);
         // Smoke spreads over the ground where it sinks to it.
         middle.y = if middle.y < 0.35 { 0.35 + 0.3 * (0.35 - middle.y).min(1.0) } else { middle.y };
         let velocity = drift + shell * 0.02;
-        let wisp = chance.happens(0.14);
-        let half_size = if wisp { chance.between(0.6, 0.95) } else { chance.between(0.28, 0.50) };
-        let alpha = if wisp { chance.between(0.05, 0.12) } else { chance.between(0.10, 0.34) };
+        let wisp = rng.happens(0.14);
+        let half_size = if wisp { rng.between(0.6, 0.95) } else { rng.between(0.28, 0.50) };
+        let alpha = if wisp { rng.between(0.05, 0.12) } else { rng.between(0.10, 0.34) };
         particles.push(Particle {
-            birth_secs: birth_secs + chance.about(0.0, 0.8),
+            birth_secs: birth_secs + rng.about(0.0, 0.8),
             lifetime_secs: LOOP_SECS,
             origin: middle - velocity * (0.5 * LOOP_SECS),
             velocity,
             acceleration: Vec3::ZERO,
             half_size: [half_size * 0.7, half_size * 1.3],
-            rotation_rad: chance.between(0.0, TAU),
-            spin_rad_per_sec: chance.about(0.0, 0.10),
+            rotation_rad: rng.between(0.0, TAU),
+            spin_rad_per_sec: rng.about(0.0, 0.10),
             alpha: (density * thickness * alpha).min(1.0),
-            tint: smoke::tint(&mut chance),
-            tile: chance.below(ATLAS[0] * ATLAS[1]),
+            tint: smoke::tint(&mut rng),
+            tile: rng.below(ATLAS[0] * ATLAS[1]),
         });
     }
     for _ in 0..stream_count {
         let lifetime_secs = 9.0;
-        let aim = CLOUD + Vec3::new(2.6, -0.1, -0.6) + chance.gaussian() * Vec3::new(0.9, 0.35, 0.5);
-        let origin = square::FIRE_BOWL + Vec3::Y * 1.0 + chance.gaussian() * Vec3::new(0.12, 0.03, 0.12);
+        let aim = CLOUD + Vec3::new(2.6, -0.1, -0.6) + rng.gaussian() * Vec3::new(0.9, 0.35, 0.5);
+        let origin = square::FIRE_BOWL + Vec3::Y * 1.0 + rng.gaussian() * Vec3::new(0.12, 0.03, 0.12);
         // It shoots up and bends over: the acceleration takes back the rise by the end of its life.
-        let lift = Vec3::Y * chance.between(0.45, 0.62);
+        let lift = Vec3::Y * rng.between(0.45, 0.62);
         let acceleration = -lift * (1.7 / lifetime_secs);
         let velocity = (aim - origin - 0.5 * acceleration * lifetime_secs * lifetime_secs) / lifetime_secs;
         particles.push(Particle {
-            birth_secs: chance.between(0.0, LOOP_SECS),
+            birth_secs: rng.between(0.0, LOOP_SECS),
             lifetime_secs,
             origin,
             velocity,
             acceleration,
-            half_size: [chance.between(0.07, 0.12), chance.between(0.45, 0.75)],
-            rotation_rad: chance.between(0.0, TAU),
-            spin_rad_per_sec: chance.about(0.0, 0.35),
-            alpha: (density * chance.between(0.12, 0.30)).min(1.0),
-            tint: smoke::tint(&mut chance) * 0.9,
-            tile: chance.below(ATLAS[0] * ATLAS[1]),
+            half_size: [rng.between(0.07, 0.12), rng.between(0.45, 0.75)],
+            rotation_rad: rng.between(0.0, TAU),
+            spin_rad_per_sec: rng.about(0.0, 0.35),
+            alpha: (density * rng.between(0.12, 0.30)).min(1.0),
+            tint: smoke::tint(&mut rng) * 0.9,
+            tile: rng.below(ATLAS[0] * ATLAS[1]),
         });
     }
     particles

@@ -15,7 +15,7 @@ use sheer_scene::{
 };
 
 use crate::{
-    builder::Stage,
+    builder::SceneBuilder,
     kit::{
         body::Form,
         foliage::{Habit, tree},
@@ -25,7 +25,7 @@ use crate::{
         wind::{self, Sway},
     },
     paint::{Noise, smoothstep},
-    rng::Chance,
+    rng::Rng,
     seed::SEED,
     shape::{Model, Shape, Vertex},
 };
@@ -93,23 +93,23 @@ fn breeze(strength: f32) -> Vec3 {
 
 pub(crate) fn build(values: &Values) -> Result<Scene, SceneError> {
     let seed = values.count(SEED.key);
-    let mut stage = Stage::new("windy-hill", sky());
-    let palette = Palette::new(&mut stage, seed);
-    stage.sun(towards_sun(), Vec3::new(5.8, 4.9, 3.6));
-    put_land(&mut stage, &palette, seed);
-    put_mill(&mut stage, &palette);
-    put_props(&mut stage, &palette, seed);
-    put_clouds(&mut stage, seed);
-    let swaying = stage.swaying_node("wind", wind::weights());
-    put_girl(&mut stage, swaying, values);
-    put_kite(&mut stage, swaying, values);
-    put_grass(&mut stage, swaying, values);
+    let mut builder = SceneBuilder::new("windy-hill", sky());
+    let palette = Palette::new(&mut builder, seed);
+    builder.sun(towards_sun(), Vec3::new(5.8, 4.9, 3.6));
+    put_land(&mut builder, &palette, seed);
+    put_mill(&mut builder, &palette);
+    put_props(&mut builder, &palette, seed);
+    put_clouds(&mut builder, seed);
+    let swaying = builder.swaying_node("wind", wind::weights());
+    put_girl(&mut builder, swaying, values);
+    put_kite(&mut builder, swaying, values);
+    put_grass(&mut builder, swaying, values);
 
     let lens = Lens::Perspective { yfov_rad: YFOV_RAD };
-    stage.camera(Camera::fixed("static", YFOV_RAD, EYE, TARGET));
-    stage.camera(Camera::orbit(lens, Vec3::new(0.30, 0.78, 0.0), EYE));
+    builder.camera(Camera::fixed("static", YFOV_RAD, EYE, TARGET));
+    builder.camera(Camera::orbit(lens, Vec3::new(0.30, 0.78, 0.0), EYE));
     let key = |time_secs, eye, target| CameraKey { time_secs, eye, target };
-    stage.camera(Camera {
+    builder.camera(Camera {
         name: "path".to_owned(),
         lens,
         motion: CameraMotion::Path {
@@ -120,7 +120,7 @@ pub(crate) fn build(values: &Values) -> Result<Scene, SceneError> {
             ],
         },
     });
-    stage.finish()
+    builder.finish()
 }
 
 /// Height of the ground: a rounded top, a valley, and ridges beyond it.
@@ -135,7 +135,7 @@ fn ground(noise: Noise, x: f32, z: f32) -> f32 {
     top + bumps + far * (3.0 * relief + 12.0 * (0.55 + relief) * smoothstep(60.0, 120.0, radius))
 }
 
-fn put_land(stage: &mut Stage, palette: &Palette, seed: u32) {
+fn put_land(builder: &mut SceneBuilder, palette: &Palette, seed: u32) {
     let noise = Noise { seed: seed.wrapping_add(900) };
     let mut land = Model::default();
     let (rings, sides) = (64, 144);
@@ -175,11 +175,11 @@ fn put_land(stage: &mut Stage, palette: &Palette, seed: u32) {
         let turf = Vec3::new(1.05, 1.25, 0.75) * (1.0 + 0.5 * patch);
         turf.lerp(Vec3::new(0.95, 1.35, 2.6), 0.8 * haze)
     });
-    stage.put("land", land);
+    builder.put("land", land);
 }
 
 /// A windmill on the next hill, its sails of cloth.
-fn put_mill(stage: &mut Stage, palette: &Palette) {
+fn put_mill(builder: &mut SceneBuilder, palette: &Palette) {
     let mut mill = Model::default();
     let wall = [(2.7, -2.0), (2.35, 1.5), (1.85, 5.0), (1.55, 7.4), (1.62, 7.5)];
     mill.paint(palette.plaster, Vec3::new(0.92, 0.89, 0.82)).lathe(MILL, &wall, 40);
@@ -196,9 +196,9 @@ fn put_mill(stage: &mut Stage, palette: &Palette) {
     let hub = MILL + Vec3::Y * 8.1 + facing * 2.3;
     let timber = mill.paint(palette.timber, Vec3::splat(0.5));
     timber.beam(hub - facing * 1.6, hub + facing * 0.2, Vec3::Y, 0.28, 0.28);
-    stage.put("mill", mill);
+    builder.put("mill", mill);
 
-    let cloth = stage.material(Material {
+    let cloth = builder.material(Material {
         name: "sailcloth".to_owned(),
         base_colour: Vec4::new(0.92, 0.88, 0.78, 0.75),
         alpha_mode: AlphaMode::Blend,
@@ -223,15 +223,16 @@ fn put_mill(stage: &mut Stage, palette: &Palette) {
             out * 4.5 + facing * 0.25,
         );
     }
-    stage.spin("sails", sails, hub, wind::turns(facing));
+    builder.spin("sails", sails, hub, wind::turns(facing));
 }
 
 /// What stands still near her: boulders, a fence, a tree.
-fn put_props(stage: &mut Stage, palette: &Palette, seed: u32) {
-    let mut chance = Chance::new(seed, "windy hill");
+fn put_props(builder: &mut SceneBuilder, palette: &Palette, seed: u32) {
+    let mut rng = Rng::new(seed, "windy hill");
     let noise = Noise { seed: seed.wrapping_add(900) };
     let on_ground = |x: f32, z: f32| Vec3::new(x, ground(noise, x, z), z);
-    let stone = stage.material(Material { name: "stone".to_owned(), roughness: 0.9, ..Material::default() });
+    let stone =
+        builder.material(Material { name: "stone".to_owned(), roughness: 0.9, ..Material::default() });
     let mut stones = Model::default();
     for (x, z, size) in [(1.42, -0.62, 0.27), (1.75, -0.35, 0.14), (-1.35, 0.35, 0.19), (-1.05, 0.55, 0.10)] {
         let radii = Vec3::new(1.0, 0.7, 0.85) * size;
@@ -249,26 +250,25 @@ fn put_props(stage: &mut Stage, palette: &Palette, seed: u32) {
         let grey = Vec3::new(0.42, 0.35, 0.27).lerp(Vec3::new(0.52, 0.48, 0.24), 0.7 * lichen);
         grey * (0.6 + 0.4 * smoothstep(-0.6, 0.6, n.y))
     });
-    stage.put("stones", stones);
+    builder.put("stones", stones);
 
     let mut fence = Model::default();
     let wood = fence.paint(palette.timber, Vec3::new(0.62, 0.56, 0.50));
     let post = |index: i32| on_ground(-3.4 + 1.35 * index as f32, -2.9 - 0.55 * index as f32);
     for index in 0..8 {
         let (here, next) = (post(index), post(index + 1));
-        let top =
-            here + Vec3::new(chance.about(0.0, 0.05), chance.about(0.86, 0.05), chance.about(0.0, 0.03));
+        let top = here + Vec3::new(rng.about(0.0, 0.05), rng.about(0.86, 0.05), rng.about(0.0, 0.03));
         wood.beam(here - Vec3::Y * 0.2, top, Vec3::X, 0.10, 0.09);
         for height in [0.38, 0.70] {
-            let sag = Vec3::Y * chance.about(height, 0.04);
-            wood.beam(here + sag, next + Vec3::Y * chance.about(height, 0.04), Vec3::Y, 0.085, 0.035);
+            let sag = Vec3::Y * rng.about(height, 0.04);
+            wood.beam(here + sag, next + Vec3::Y * rng.about(height, 0.04), Vec3::Y, 0.085, 0.035);
         }
     }
-    stage.put("fence", fence);
+    builder.put("fence", fence);
 
     let habit =
         Habit { height: 5.4, radius: 1.9, clear: 0.22, clump_count: 20, cards_per_clump: 60, turning: 0.08 };
-    let oak = tree(palette, &mut chance, habit);
+    let oak = tree(palette, &mut rng, habit);
     // It has grown with the wind.
     let lean = Affine3A::from_cols(
         Vec3::X.into(),
@@ -276,15 +276,15 @@ fn put_props(stage: &mut Stage, palette: &Palette, seed: u32) {
         Vec3::Z.into(),
         on_ground(9.0, -15.0).into(),
     );
-    stage.put_at("tree", oak, lean);
+    builder.put_at("tree", oak, lean);
 }
 
 /// Fair-weather clouds: heaps of puffs with flat feet.
-fn put_clouds(stage: &mut Stage, seed: u32) {
-    let mut chance = Chance::new(seed, "clouds");
-    let atlas = TextureRef::new(stage.texture("cloud puffs", puff_atlas(seed.wrapping_add(5)), true));
+fn put_clouds(builder: &mut SceneBuilder, seed: u32) {
+    let mut rng = Rng::new(seed, "clouds");
+    let atlas = TextureRef::new(builder.texture("cloud puffs", puff_atlas(seed.wrapping_add(5)), true));
     // A cloud is so thick that light from all around comes out of it again: what single scattering lacks is added as a glow.
-    let material = stage.material(Material {
+    let material = builder.material(Material {
         name: "cloud".to_owned(),
         model: ShadingModel::Smoke,
         base_colour_texture: Some(atlas),
@@ -306,11 +306,11 @@ fn put_clouds(stage: &mut Stage, seed: u32) {
         (95.0, 24.0, 70.0, 10.0),
     ] {
         for _ in 0..70 {
-            let out = chance.gaussian() * Vec3::new(0.85, 0.30, 0.5);
+            let out = rng.gaussian() * Vec3::new(0.85, 0.30, 0.5);
             // Higher in the middle, flat below.
             let heap = (1.0 - 0.25 * out.x * out.x).max(0.2);
-            let rise = (out.y.abs() * heap + 0.35 * heap * chance.unit()).max(0.02);
-            let half_size = size * chance.between(0.36, 0.66) * (0.55 + 0.45 * heap);
+            let rise = (out.y.abs() * heap + 0.35 * heap * rng.unit()).max(0.02);
+            let half_size = size * rng.between(0.36, 0.66) * (0.55 + 0.45 * heap);
             let white = 0.74 + 0.24 * smoothstep(0.0, 0.6, rise);
             particles.push(Particle {
                 birth_secs: 0.0,
@@ -319,15 +319,15 @@ fn put_clouds(stage: &mut Stage, seed: u32) {
                 velocity: Vec3::ZERO,
                 acceleration: Vec3::ZERO,
                 half_size: [half_size; 2],
-                rotation_rad: chance.between(0.0, TAU),
+                rotation_rad: rng.between(0.0, TAU),
                 spin_rad_per_sec: 0.0,
-                alpha: chance.between(0.45, 0.85),
+                alpha: rng.between(0.45, 0.85),
                 tint: Vec3::new(white * 0.98, white, white * 1.03),
-                tile: chance.below(ATLAS[0] * ATLAS[1]),
+                tile: rng.below(ATLAS[0] * ATLAS[1]),
             });
         }
     }
-    stage.particles(ParticleSystem {
+    builder.particles(ParticleSystem {
         name: "clouds".to_owned(),
         material,
         atlas: ATLAS,
@@ -355,24 +355,24 @@ fn cloth(name: &str) -> Material {
     }
 }
 
-fn put_girl(stage: &mut Stage, swaying: u32, values: &Values) {
+fn put_girl(builder: &mut SceneBuilder, swaying: u32, values: &Values) {
     let (count, alpha, seed) = (values.count("hairs"), values.real("alpha"), values.count(SEED.key));
     let plain = |name: &str, roughness| Material { name: name.to_owned(), roughness, ..Material::default() };
     let wardrobe = girl::Wardrobe {
-        skin: stage.material(plain("skin", 0.55)),
-        linen: stage.material(Material { double_sided: true, ..plain("linen", 0.9) }),
+        skin: builder.material(plain("skin", 0.55)),
+        linen: builder.material(Material { double_sided: true, ..plain("linen", 0.9) }),
     };
-    stage.put_at("girl", girl::figure(wardrobe), world_from_girl());
+    builder.put_at("girl", girl::figure(wardrobe), world_from_girl());
     let wind = world_from_girl().inverse().transform_vector3(breeze(values.real("wind")));
-    let scarf = stage.material(cloth("scarf"));
+    let scarf = builder.material(cloth("scarf"));
     let poses = Sway::POSES.map(|sway| {
         let mut shape = Shape::default();
         girl::scarf(&mut shape, alpha, wind, sway);
         girl::placed(scarf, &shape, world_from_girl())
     });
-    stage.sway("scarf", swaying, &poses);
+    builder.sway("scarf", swaying, &poses);
 
-    let material = stage.material(hair::material("hair", 0.38));
+    let material = builder.material(hair::material("hair", 0.38));
     let hairs = girl::hairs(count, seed, wind);
     // Dealt out one after the other, so that hairs that lie over one another belong to different objects.
     let lock_count = count.div_ceil(LOCK_SIZE) as usize;
@@ -389,21 +389,22 @@ fn put_girl(stage: &mut Stage, swaying: u32, values: &Values) {
         })
         .collect();
     for poses in locks {
-        stage.sway("lock", swaying, &poses);
+        builder.sway("lock", swaying, &poses);
     }
 }
 
 /// A kite of thin cloth over crossed sticks, with a tail, on a string from her hands.
-fn put_kite(stage: &mut Stage, swaying: u32, values: &Values) {
+fn put_kite(builder: &mut SceneBuilder, swaying: u32, values: &Values) {
     let alpha = values.real("alpha");
-    let silk = stage.material(cloth("kite"));
-    let stick = stage.material(Material { name: "stick".to_owned(), roughness: 0.7, ..Material::default() });
+    let silk = builder.material(cloth("kite"));
+    let stick =
+        builder.material(Material { name: "stick".to_owned(), roughness: 0.7, ..Material::default() });
     let poses = Sway::POSES.map(|sway| {
         let mut model = Model::default();
         kite(&mut model, [silk, stick], alpha, sway);
         model
     });
-    stage.sway("kite", swaying, &poses);
+    builder.sway("kite", swaying, &poses);
 }
 
 fn kite(model: &mut Model, [silk, stick]: [u32; 2], alpha: f32, sway: Sway) {
@@ -457,11 +458,11 @@ fn patch(shape: &mut Shape, corners: [Vec3; 3], threads: Vec3) {
 }
 
 /// Cards all around her, each an object of its own.
-fn put_grass(stage: &mut Stage, swaying: u32, values: &Values) {
+fn put_grass(builder: &mut SceneBuilder, swaying: u32, values: &Values) {
     let (count, seed) = (values.count("cards"), values.count(SEED.key));
     let noise = Noise { seed: seed.wrapping_add(900) };
-    let atlas = stage.texture("grass", grass::atlas(seed), true);
-    let material = stage.material(Material {
+    let atlas = builder.texture("grass", grass::atlas(seed), true);
+    let material = builder.material(Material {
         name: "grass".to_owned(),
         model: ShadingModel::Fibre,
         base_colour_texture: Some(TextureRef::new(atlas)),
@@ -470,11 +471,11 @@ fn put_grass(stage: &mut Stage, swaying: u32, values: &Values) {
         double_sided: true,
         ..Material::default()
     });
-    let mut chance = Chance::new(seed, "grass");
+    let mut rng = Rng::new(seed, "grass");
     let wind = breeze(values.real("wind"));
     for _ in 0..count {
         let place = loop {
-            let place = grass::strewn(&mut chance, MEADOW_RADIUS);
+            let place = grass::strewn(&mut rng, MEADOW_RADIUS);
             // Not through her skirt, nor in front of the lens.
             if place.length() > 0.44 && place.distance(Vec2::new(EYE.x, EYE.z)) > 0.9 {
                 break place;
@@ -484,13 +485,13 @@ fn put_grass(stage: &mut Stage, swaying: u32, values: &Values) {
         let patch = noise.fractal(place / 16.0 + 0.5, IVec2::splat(14), 3);
         // Trodden down near her, high further out.
         let height = (0.26 + 0.16 * patch) * (0.65 + 0.5 * smoothstep(0.4, 1.3, place.length()));
-        let card = grass::Card::at(foot, height.max(0.12), &mut chance);
+        let card = grass::Card::at(foot, height.max(0.12), &mut rng);
         let poses = Sway::POSES.map(|sway| {
             let mut shape = Shape::default();
             card.build(&mut shape, wind, sway);
             Model::from_shape(material, shape)
         });
-        stage.sway("card", swaying, &poses);
+        builder.sway("card", swaying, &poses);
     }
 }
 

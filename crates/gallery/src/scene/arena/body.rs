@@ -8,9 +8,9 @@ use sheer_scene::model::Material;
 
 use super::figure::{Body, Build};
 use crate::{
-    builder::Stage,
+    builder::SceneBuilder,
     kit::palette::Palette,
-    rng::Chance,
+    rng::Rng,
     shape::{Model, Shape, Vertex},
 };
 
@@ -37,7 +37,7 @@ pub(super) enum Team {
 }
 
 impl Wardrobe {
-    pub(super) fn new(stage: &mut Stage, palette: &Palette) -> Self {
+    pub(super) fn new(builder: &mut SceneBuilder, palette: &Palette) -> Self {
         let plain = |name: &str, roughness: f32, metallic: f32, emissive: Vec3| Material {
             name: name.to_owned(),
             roughness,
@@ -47,13 +47,13 @@ impl Wardrobe {
             ..Material::default()
         };
         Self {
-            steel: stage.material(plain("steel", 0.34, 0.9, Vec3::ZERO)),
-            cloth: stage.material(plain("cloth", 0.85, 0.0, Vec3::ZERO)),
+            steel: builder.material(plain("steel", 0.34, 0.9, Vec3::ZERO)),
+            cloth: builder.material(plain("cloth", 0.85, 0.0, Vec3::ZERO)),
             wood: palette.timber,
             stone: palette.plaster,
-            lava: stage.material(plain("lava", 0.6, 0.0, Vec3::new(1.25, 0.19, 0.015))),
+            lava: builder.material(plain("lava", 0.6, 0.0, Vec3::new(1.25, 0.19, 0.015))),
             glow: [Vec3::new(0.7, 1.9, 3.0), Vec3::new(1.8, 0.08, 0.03)]
-                .map(|emissive| stage.material(plain("glow", 0.3, 0.0, emissive))),
+                .map(|emissive| builder.material(plain("glow", 0.3, 0.0, emissive))),
         }
     }
 
@@ -420,16 +420,16 @@ const GOLEM: Build = Build {
 pub(super) const GOLEM_MOUTH: Vec3 = Vec3::new(0.0, 0.12, 0.62);
 
 /// A boulder with flat faces.
-fn rock(model: &mut Model, wardrobe: &Wardrobe, chance: &mut Chance, centre: Vec3, radii: Vec3) {
+fn rock(model: &mut Model, wardrobe: &Wardrobe, rng: &mut Rng, centre: Vec3, radii: Vec3) {
     let (rows, columns) = (6, 9);
     let mut point = |row: usize, column: usize| {
-        let lift = if row == 0 || row == rows { 0.0 } else { chance.about(0.0, 0.22) };
+        let lift = if row == 0 || row == rows { 0.0 } else { rng.about(0.0, 0.22) };
         let (sin, cos) = (PI * (row as f32 + lift) / rows as f32).sin_cos();
         let (east, north) = (TAU * (column as f32 + 0.5 * (row % 2) as f32) / columns as f32).sin_cos();
         // Superellipsoid: a block that rivers have rounded.
         let blunt = |value: f32| value.abs().powf(0.72).copysign(value);
         let sides = Vec3::new(blunt(sin) * blunt(east), blunt(cos), blunt(sin) * blunt(north));
-        centre + sides * radii * chance.between(0.88, 1.08)
+        centre + sides * radii * rng.between(0.88, 1.08)
     };
     let grid: Vec<Vec<Vec3>> = (0..=rows)
         .map(|row| {
@@ -438,7 +438,7 @@ fn rock(model: &mut Model, wardrobe: &Wardrobe, chance: &mut Chance, centre: Vec
             (0..columns).map(|column| if pole || column == 0 { first } else { point(row, column) }).collect()
         })
         .collect();
-    let tone = chance.between(0.8, 1.15);
+    let tone = rng.between(0.8, 1.15);
     let shape = model.paint(wardrobe.stone, linear_from_hex(0x857a70) * tone);
     for row in 0..rows {
         for column in 0..columns {
@@ -457,7 +457,7 @@ fn rock(model: &mut Model, wardrobe: &Wardrobe, chance: &mut Chance, centre: Vec
 /// Where the boulders of a golem come from.
 struct Quarry<'a> {
     wardrobe: &'a Wardrobe,
-    chance: &'a mut Chance,
+    rng: &'a mut Rng,
 }
 
 impl Quarry<'_> {
@@ -465,7 +465,7 @@ impl Quarry<'_> {
     fn rocks(&mut self, lumps: &[[f32; 6]], core: &[[f32; 4]]) -> Model {
         let mut model = Model::default();
         for &[x, y, z, rx, ry, rz] in lumps {
-            rock(&mut model, self.wardrobe, self.chance, Vec3::new(x, y, z), Vec3::new(rx, ry, rz));
+            rock(&mut model, self.wardrobe, self.rng, Vec3::new(x, y, z), Vec3::new(rx, ry, rz));
         }
         for &[x, y, z, radius] in core {
             ball(model.paint(self.wardrobe.lava, Vec3::splat(0.1)), Vec3::new(x, y, z), Vec3::splat(radius));
@@ -503,8 +503,8 @@ impl Quarry<'_> {
 }
 
 /// A golem of boulders, with embers between them.
-pub(super) fn golem(wardrobe: &Wardrobe, chance: &mut Chance) -> Body {
-    let mut quarry = Quarry { wardrobe, chance };
+pub(super) fn golem(wardrobe: &Wardrobe, rng: &mut Rng) -> Body {
+    let mut quarry = Quarry { wardrobe, rng };
     let hips = quarry.rocks(
         &[[0.0, 0.0, 0.0, 0.75, 0.42, 0.55], [0.0, -0.3, 0.3, 0.4, 0.35, 0.3]],
         &[[0.0, 0.42, 0.05, 0.48]],

@@ -7,7 +7,7 @@ use super::{
     body::{self, Team, Wardrobe},
     figure::{Actor, Body, Limb, Move, Part, Pose, enter, limb},
 };
-use crate::{builder::Stage, kit::palette::Palette, rng::Chance};
+use crate::{builder::SceneBuilder, kit::palette::Palette, rng::Rng};
 
 /// Everybody, by what they do.
 pub(super) struct Cast {
@@ -182,15 +182,15 @@ const WARDEN_MARKS: Marks =
 
 /// Who lets figures enter.
 struct Casting<'a> {
-    stage: &'a mut Stage,
+    builder: &'a mut SceneBuilder,
     wardrobe: Wardrobe,
-    chance: Chance,
+    rng: Rng,
 }
 
 /// Lets everybody enter.
-pub(super) fn assemble(stage: &mut Stage, palette: &Palette, seed: u32) -> Cast {
-    let wardrobe = Wardrobe::new(stage, palette);
-    let mut casting = Casting { stage, wardrobe, chance: Chance::new(seed, "cast") };
+pub(super) fn assemble(builder: &mut SceneBuilder, palette: &Palette, seed: u32) -> Cast {
+    let wardrobe = Wardrobe::new(builder, palette);
+    let mut casting = Casting { builder, wardrobe, rng: Rng::new(seed, "cast") };
     let golem = casting.golem();
     let [warden, tidecaller, healer] = casting.mages();
     let warlocks = casting.warlocks();
@@ -214,11 +214,11 @@ impl Casting<'_> {
         guard: Pose,
         moves: &[(f32, Move)],
     ) -> Actor {
-        enter(self.stage, name, body, &Part { marks, gaze, guard, moves, phase: self.chance.unit() })
+        enter(self.builder, name, body, &Part { marks, gaze, guard, moves, phase: self.rng.unit() })
     }
 
     fn golem(&mut self) -> Actor {
-        let body = body::golem(&self.wardrobe, &mut self.chance);
+        let body = body::golem(&self.wardrobe, &mut self.rng);
         let gaze: Marks =
             &[(0.0, -1.5, 2.0), (3.6, -0.8, 1.8), (4.6, -2.7, 1.5), (7.6, -2.7, 1.5), (9.5, -1.5, 2.0)];
         let moves = [(SMASH_SECS - 1.2, GOLEM_SMASH), (BREATH_SECS[0] - 0.75, GOLEM_BREATH)];

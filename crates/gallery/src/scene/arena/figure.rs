@@ -8,7 +8,7 @@ use glam::{Affine3A, EulerRot, Quat, Vec2, Vec3};
 use sheer_scene::model::{Animation, Channel, Influence, Interpolation, Keys, Track};
 
 use super::CLIP_SECS;
-use crate::{builder::Stage, shape::Model};
+use crate::{builder::SceneBuilder, shape::Model};
 
 /// Keys a second: a strike of 0.15 s still gets three.
 const KEYS_PER_SEC: u32 = 20;
@@ -280,12 +280,13 @@ fn local_transforms(build: &Build, pose: &Pose, at: Vec2, heading: Vec2) -> [(Ve
 }
 
 /// Puts a figure on stage and lets it play its part.
-pub(super) fn enter(stage: &mut Stage, name: &str, body: Body, part: &Part<'_>) -> Actor {
+pub(super) fn enter(builder: &mut SceneBuilder, name: &str, body: Body, part: &Part<'_>) -> Actor {
     let played = part.play(&body.build);
     let mut nodes = [0; JOINT_COUNT];
     for joint in 0..JOINT_COUNT {
         let parent = (joint != ROOT).then(|| nodes[PARENT[joint]]);
-        nodes[joint] = stage.joint(&format!("{name}: {}", JOINT_NAMES[joint]), parent, played[0].0[joint].0);
+        nodes[joint] =
+            builder.joint(&format!("{name}: {}", JOINT_NAMES[joint]), parent, played[0].0[joint].0);
     }
     let mut channels = Vec::new();
     for joint in 0..JOINT_COUNT {
@@ -301,15 +302,15 @@ pub(super) fn enter(stage: &mut Stage, name: &str, body: Body, part: &Part<'_>) 
     let limbs = [right_arm, left_arm, right_leg, left_leg].into_iter().flatten();
     let parts = [body.hips, body.chest, body.head].into_iter().chain(limbs);
     for (joint, model) in (HIPS..).zip(parts) {
-        let prop = stage.prop(&format!("{name}: {}", JOINT_NAMES[joint]), model);
-        stage.hang(&prop, nodes[joint]);
+        let prop = builder.prop(&format!("{name}: {}", JOINT_NAMES[joint]), model);
+        builder.hang(&prop, nodes[joint]);
     }
     if let Some(cape) = body.cape {
         let speeds: Vec<f32> = played.iter().map(|(_, speed)| *speed).collect();
         let top = Vec3::new(0.0, body.build.shoulder_height + 0.03, -0.15);
-        channels.extend(wear_cape(stage, name, cape, (nodes[CHEST], top), &speeds, part.phase));
+        channels.extend(wear_cape(builder, name, cape, (nodes[CHEST], top), &speeds, part.phase));
     }
-    stage.animate(Animation { name: name.to_owned(), channels });
+    builder.animate(Animation { name: name.to_owned(), channels });
     let world = |(joints, _): &([(Vec3, Quat); JOINT_COUNT], f32)| {
         let mut world = [Affine3A::IDENTITY; JOINT_COUNT];
         for (joint, &(translation, rotation)) in joints.iter().enumerate() {
@@ -324,7 +325,7 @@ pub(super) fn enter(stage: &mut Stage, name: &str, body: Body, part: &Part<'_>) 
 /// A cape of a length, hung up at a point in the space of the chest, bends along a chain of joints: it trails behind a figure that runs, and
 /// sways.
 fn wear_cape(
-    stage: &mut Stage,
+    builder: &mut SceneBuilder,
     name: &str,
     (model, length): (Model, f32),
     (chest, top): (u32, Vec3),
@@ -336,7 +337,7 @@ fn wear_cape(
     let mut joints: Vec<u32> = Vec::new();
     for _ in 0..CAPE_JOINTS {
         let (parent, offset) = joints.last().map_or((chest, top), |&above| (above, Vec3::Y * -link));
-        joints.push(stage.joint(&format!("{name}: cape"), Some(parent), offset));
+        joints.push(builder.joint(&format!("{name}: cape"), Some(parent), offset));
     }
     let channels = joints.iter().enumerate().map(|(joint, &node)| {
         let sway = |key: usize| {
@@ -353,7 +354,7 @@ fn wear_cape(
         Channel { node, track: Track::Rotation(baked(rotations)) }
     });
     let channels: Vec<Channel> = channels.collect();
-    stage.drape(&format!("{name}: cape"), model, joints, &origins, |position| {
+    builder.drape(&format!("{name}: cape"), model, joints, &origins, |position| {
         let at = ((top.y - position.y) / link).clamp(0.0, (CAPE_JOINTS - 1) as f32);
         let above = (at as usize).min(CAPE_JOINTS - 2);
         let share = at - above as f32;

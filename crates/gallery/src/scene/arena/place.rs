@@ -12,10 +12,10 @@ use sheer_scene::{
 
 use super::paint;
 use crate::{
-    builder::Stage,
+    builder::SceneBuilder,
     kit::{furniture, palette::Palette},
     paint::{Noise, smoothstep},
-    rng::Chance,
+    rng::Rng,
     shape::{Model, Shape, Vertex},
 };
 
@@ -72,16 +72,16 @@ pub(super) fn braziers() -> [Vec3; 6] {
 }
 
 /// Builds everything that is opaque or cut out and stands still.
-pub(super) fn raise(stage: &mut Stage, palette: &Palette, seed: u32) {
-    stage.sun(towards_sun(), Vec3::new(3.6, 2.05, 1.05));
-    put_floor(stage, palette, seed);
-    put_terraces(stage, palette, seed);
-    put_pillars(stage, palette, seed);
-    put_braziers(stage, palette, seed);
-    put_hills(stage, palette, seed);
+pub(super) fn raise(builder: &mut SceneBuilder, palette: &Palette, seed: u32) {
+    builder.sun(towards_sun(), Vec3::new(3.6, 2.05, 1.05));
+    put_floor(builder, palette, seed);
+    put_terraces(builder, palette, seed);
+    put_pillars(builder, palette, seed);
+    put_braziers(builder, palette, seed);
+    put_hills(builder, palette, seed);
 }
 
-fn put_floor(stage: &mut Stage, palette: &Palette, seed: u32) {
+fn put_floor(builder: &mut SceneBuilder, palette: &Palette, seed: u32) {
     let noise = Noise { seed: seed.wrapping_add(600) };
     let mut floor = Model::default();
     let cell = 0.5;
@@ -133,7 +133,7 @@ fn put_floor(stage: &mut Stage, palette: &Palette, seed: u32) {
         let radius = Vec2::new(p.x, p.z).length();
         (0.84 + 0.30 * stain) * (0.6 + 0.4 * smoothstep(0.0, 2.4, WALL_RADIUS - radius))
     });
-    stage.put("floor", floor);
+    builder.put("floor", floor);
 }
 
 /// A block between two turns and two radii, without its underside.
@@ -147,8 +147,8 @@ fn arc_block(shape: &mut Shape, turns: [f32; 2], radii: [f32; 2], heights: [f32;
 }
 
 /// Five steps of stone for those who watch, open where the sun stands.
-fn put_terraces(stage: &mut Stage, palette: &Palette, seed: u32) {
-    let mut chance = Chance::new(seed, "terraces");
+fn put_terraces(builder: &mut SceneBuilder, palette: &Palette, seed: u32) {
+    let mut rng = Rng::new(seed, "terraces");
     let mut terraces = Model::default();
     let count = 60;
     for index in 0..count {
@@ -161,10 +161,10 @@ fn put_terraces(stage: &mut Stage, palette: &Palette, seed: u32) {
         let rows = if from_gate < 0.064 { 2 } else { 5 };
         for row in 0..rows {
             let near = WALL_RADIUS + 1.36 * row as f32;
-            let high = 1.35 + 0.62 * row as f32 + chance.about(0.0, 0.012);
-            let tint = Vec3::new(0.66, 0.60, 0.60) * chance.about(1.0, 0.1);
+            let high = 1.35 + 0.62 * row as f32 + rng.about(0.0, 0.012);
+            let tint = Vec3::new(0.66, 0.60, 0.60) * rng.about(1.0, 0.1);
             let stone = terraces.paint(palette.ashlar, tint);
-            stone.shift_uv(Vec2::new(chance.unit(), 0.0));
+            stone.shift_uv(Vec2::new(rng.unit(), 0.0));
             arc_block(stone, turns, [near, near + 1.44], [-0.3, high]);
         }
         if rows == 5 {
@@ -174,7 +174,7 @@ fn put_terraces(stage: &mut Stage, palette: &Palette, seed: u32) {
             arc_block(stone, turns, [ARENA_RADIUS - 0.5, ARENA_RADIUS], [0.0, high]);
         }
     }
-    stage.put("terraces", terraces);
+    builder.put("terraces", terraces);
     // Two towers guard the gate.
     for turn in [GATE_TURN - 0.06, GATE_TURN + 0.06] {
         let mut tower = Model::default();
@@ -195,7 +195,7 @@ fn put_terraces(stage: &mut Stage, palette: &Palette, seed: u32) {
             let stone = tower.paint(palette.ashlar, Vec3::new(0.6, 0.54, 0.54));
             arc_block(stone, [at, at + 0.07], [1.4, 1.75], [6.5, 7.05]);
         }
-        stage.put_at(
+        builder.put_at(
             "gate tower",
             tower,
             Affine3A::from_translation(around(turn, 0.5 * (WALL_RADIUS + ARENA_RADIUS), 0.0)),
@@ -215,7 +215,7 @@ fn pillar_height(index: u32) -> f32 {
     }
 }
 
-fn pillar(palette: &Palette, height: f32, chance: &mut Chance) -> Model {
+fn pillar(palette: &Palette, height: f32, rng: &mut Rng) -> Model {
     let mut model = Model::default();
     let stone = model.paint(palette.ashlar, Vec3::new(0.80, 0.73, 0.70));
     stone.block(Vec3::new(-0.72, -0.3, -0.72), Vec3::new(0.72, 0.42, 0.72));
@@ -227,7 +227,7 @@ fn pillar(palette: &Palette, height: f32, chance: &mut Chance) -> Model {
     // Fluted: the shaft is a cylinder of twelve staves.
     for stave in 0..12 {
         let turn = stave as f32 / 12.0;
-        let cut = if whole { 0.0 } else { chance.between(-0.45, 0.35) };
+        let cut = if whole { 0.0 } else { rng.between(-0.45, 0.35) };
         let shape = model.paint(palette.ashlar, Vec3::new(0.80, 0.73, 0.70));
         for pair in shaft.windows(2) {
             let top = if pair[1].1 >= shaft[8].1 { cut } else { 0.0 };
@@ -264,10 +264,10 @@ fn pillar(palette: &Palette, height: f32, chance: &mut Chance) -> Model {
     model
 }
 
-fn put_pillars(stage: &mut Stage, palette: &Palette, seed: u32) {
-    let mut chance = Chance::new(seed, "pillars");
-    let texture = stage.texture("banner", paint::banner(seed), true);
-    let cloth = stage.material(Material {
+fn put_pillars(builder: &mut SceneBuilder, palette: &Palette, seed: u32) {
+    let mut rng = Rng::new(seed, "pillars");
+    let texture = builder.texture("banner", paint::banner(seed), true);
+    let cloth = builder.material(Material {
         name: "banner".to_owned(),
         base_colour_texture: Some(TextureRef::new(texture)),
         alpha_mode: AlphaMode::Mask { cutoff: 0.5 },
@@ -285,19 +285,19 @@ fn put_pillars(stage: &mut Stage, palette: &Palette, seed: u32) {
             Quat::from_rotation_y(TAU * turn_of(index)),
             around(turn_of(index), PILLAR_RADIUS, 0.0),
         );
-        stage.put_at("pillar", pillar(palette, height, &mut chance), place);
+        builder.put_at("pillar", pillar(palette, height, &mut rng), place);
         if height < PILLAR_HEIGHT {
-            stage.put_at("rubble", rubble(palette, &mut chance), place);
+            builder.put_at("rubble", rubble(palette, &mut rng), place);
             continue;
         }
         // The heroes' hang on the left, the raiders' on the right.
         let left = turn_of(index) > 0.5;
         let tint = if left { Vec3::new(0.10, 0.20, 0.62) } else { Vec3::new(0.62, 0.055, 0.04) };
         let mut banner = Model::default();
-        hang_banner(banner.paint(cloth, tint), chance.about(0.0, 0.6));
+        hang_banner(banner.paint(cloth, tint), rng.about(0.0, 0.6));
         let iron = banner.paint(palette.iron, Vec3::splat(0.05));
         iron.tube(&[(Vec3::new(-0.62, 4.34, -0.66), 0.03), (Vec3::new(0.62, 4.34, -0.66), 0.03)], 6);
-        stage.put_at("banner", banner, place);
+        builder.put_at("banner", banner, place);
         // A beam of stone joins two pillars that are whole.
         let next = index + 1;
         if next < PILLAR_COUNT && pillar_height(next) >= PILLAR_HEIGHT {
@@ -310,7 +310,7 @@ fn put_pillars(stage: &mut Stage, palette: &Palette, seed: u32) {
                 arc_block(stone, turns, [PILLAR_RADIUS - 0.6, PILLAR_RADIUS + 0.6], [5.4, 5.95]);
                 arc_block(stone, turns, [PILLAR_RADIUS - 0.75, PILLAR_RADIUS + 0.75], [5.95, 6.15]);
             }
-            stage.put("architrave", beam);
+            builder.put("architrave", beam);
         }
     }
 }
@@ -343,42 +343,41 @@ fn hang_banner(shape: &mut Shape, sway: f32) {
 }
 
 /// What fell off a broken pillar.
-fn rubble(palette: &Palette, chance: &mut Chance) -> Model {
+fn rubble(palette: &Palette, rng: &mut Rng) -> Model {
     let mut model = Model::default();
     for _ in 0..9 {
-        let size =
-            Vec3::new(chance.between(0.15, 0.5), chance.between(0.12, 0.35), chance.between(0.15, 0.45));
+        let size = Vec3::new(rng.between(0.15, 0.5), rng.between(0.12, 0.35), rng.between(0.15, 0.45));
         let mut stone = Model::default();
         stone
-            .paint(palette.ashlar, Vec3::new(0.78, 0.71, 0.68) * chance.about(1.0, 0.12))
+            .paint(palette.ashlar, Vec3::new(0.78, 0.71, 0.68) * rng.about(1.0, 0.12))
             .block(-0.5 * size, 0.5 * size);
-        let away = Vec2::from_angle(chance.between(0.0, TAU)) * chance.between(0.85, 1.7);
+        let away = Vec2::from_angle(rng.between(0.0, TAU)) * rng.between(0.85, 1.7);
         // Beside the floor, which is a step lower there.
         let turned =
-            Quat::from_rotation_y(chance.between(0.0, TAU)) * Quat::from_rotation_z(chance.about(0.0, 0.3));
+            Quat::from_rotation_y(rng.between(0.0, TAU)) * Quat::from_rotation_z(rng.about(0.0, 0.3));
         let at = Vec3::new(away.x, 0.42 * size.y - 0.22, away.y.abs());
         model.append(&stone, Affine3A::from_rotation_translation(turned, at));
     }
     model
 }
 
-fn put_braziers(stage: &mut Stage, palette: &Palette, seed: u32) {
-    let mut chance = Chance::new(seed, "braziers");
-    let bowl = stage.prop("brazier", furniture::fire_bowl(palette, &mut chance));
+fn put_braziers(builder: &mut SceneBuilder, palette: &Palette, seed: u32) {
+    let mut rng = Rng::new(seed, "braziers");
+    let bowl = builder.prop("brazier", furniture::fire_bowl(palette, &mut rng));
     for fire in braziers() {
         let place = Affine3A::from_scale_rotation_translation(
             Vec3::splat(BRAZIER_SCALE),
-            Quat::from_rotation_y(chance.between(0.0, TAU)),
+            Quat::from_rotation_y(rng.between(0.0, TAU)),
             fire.with_y(0.0),
         );
-        stage.place(&bowl, place);
+        builder.place(&bowl, place);
         // Above the flames, which would swallow its light.
-        stage.lamp("brazier", fire + Vec3::Y * 0.75, Vec3::new(15.0, 6.0, 1.6), 7.5);
+        builder.lamp("brazier", fire + Vec3::Y * 0.75, Vec3::new(15.0, 6.0, 1.6), 7.5);
     }
 }
 
 /// Ridges around the valley, bluer with distance.
-fn put_hills(stage: &mut Stage, palette: &Palette, seed: u32) {
+fn put_hills(builder: &mut SceneBuilder, palette: &Palette, seed: u32) {
     let noise = Noise { seed: seed.wrapping_add(610) };
     let mut hills = Model::default();
     let land = hills.paint(palette.plaster, Vec3::new(0.05, 0.045, 0.05));
@@ -408,5 +407,5 @@ fn put_hills(stage: &mut Stage, palette: &Palette, seed: u32) {
             shape.quad([b.with_y(-1.0), a.with_y(-1.0), a, b]);
         }
     }
-    stage.put("hills", hills);
+    builder.put("hills", hills);
 }

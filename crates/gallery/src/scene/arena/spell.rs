@@ -19,9 +19,9 @@ use super::{
     place,
 };
 use crate::{
-    builder::Stage,
+    builder::SceneBuilder,
     kit::smoke,
-    rng::Chance,
+    rng::Rng,
     shape::{Model, Shape, Vertex},
 };
 
@@ -53,9 +53,9 @@ type Target<'a> = (&'a Actor, f32);
 
 /// Effects in the making.
 struct Conjurer<'a> {
-    stage: &'a mut Stage,
+    builder: &'a mut SceneBuilder,
     cast: &'a Cast,
-    chance: Chance,
+    rng: Rng,
     amount: f32,
     /// Mesh effects asked for so far.
     asked: u32,
@@ -67,14 +67,14 @@ struct Conjurer<'a> {
 }
 
 /// Adds all effects; none at all if their amount is zero.
-pub(super) fn conjure(stage: &mut Stage, cast: &Cast, effects: Effects) {
+pub(super) fn conjure(builder: &mut SceneBuilder, cast: &Cast, effects: Effects) {
     if effects.amount <= 0.0 {
         return;
     }
     let mut conjurer = Conjurer {
-        stage,
+        builder,
         cast,
-        chance: Chance::new(effects.seed, "spells"),
+        rng: Rng::new(effects.seed, "spells"),
         amount: effects.amount,
         asked: 0,
         channels: Vec::new(),
@@ -114,11 +114,11 @@ fn mote(birth_secs: f32, lifetime_secs: f32, origin: Vec3) -> Particle {
 }
 
 /// A puff of smoke or dust, before it is told where to go.
-fn puff(birth_secs: f32, lifetime_secs: f32, origin: Vec3, chance: &mut Chance) -> Particle {
+fn puff(birth_secs: f32, lifetime_secs: f32, origin: Vec3, rng: &mut Rng) -> Particle {
     Particle {
-        rotation_rad: chance.between(0.0, TAU),
-        spin_rad_per_sec: chance.about(0.0, 0.4),
-        tile: chance.below(smoke::ATLAS[0] * smoke::ATLAS[1]),
+        rotation_rad: rng.between(0.0, TAU),
+        spin_rad_per_sec: rng.about(0.0, 0.4),
+        tile: rng.below(smoke::ATLAS[0] * smoke::ATLAS[1]),
         ..mote(birth_secs, lifetime_secs, origin)
     }
 }
@@ -137,7 +137,7 @@ impl Conjurer<'_> {
 
     /// A surface that shines with `radiance` times the texture and covers what is behind it.
     fn shining(&mut self, name: &str, texture: Option<u32>, radiance: Vec4) -> u32 {
-        self.stage.material(Material {
+        self.builder.material(Material {
             name: name.to_owned(),
             model: ShadingModel::Unlit,
             base_colour: radiance,
@@ -161,7 +161,7 @@ impl Conjurer<'_> {
     }
 
     fn raise_shields(&mut self) {
-        let facet = self.stage.texture("facet", paint::facet(), true);
+        let facet = self.builder.texture("facet", paint::facet(), true);
         let cast = self.cast;
         let shields: [(&Actor, f32, Vec3, [f32; 2]); 9] = [
             (&cast.tidecaller, 1.30, SEA, [1.5, 8.7]),
@@ -178,7 +178,7 @@ impl Conjurer<'_> {
             if !self.next_is_there() {
                 continue;
             }
-            let material = self.stage.material(Material {
+            let material = self.builder.material(Material {
                 name: "shield".to_owned(),
                 base_colour: (0.25 * colour).extend(0.80),
                 base_colour_texture: Some(TextureRef::new(facet)),
@@ -189,11 +189,11 @@ impl Conjurer<'_> {
                 double_sided: true,
                 ..Material::default()
             });
-            let prop = self.stage.prop("shield", geodesic(material));
+            let prop = self.builder.prop("shield", geodesic(material));
             // More effects: shells around shells.
             for shell in 0..self.amount.ceil() as u32 {
-                let node = self.stage.joint("shield", None, Vec3::ZERO);
-                self.stage.hang(&prop, node);
+                let node = self.builder.joint("shield", None, Vec3::ZERO);
+                self.builder.hang(&prop, node);
                 self.channels.push(actor.follow(node, 0.85));
                 let size = Vec3::splat(radius * (1.0 + 0.05 * shell as f32));
                 let late = 0.15 * shell as f32 / self.amount;
@@ -211,16 +211,16 @@ impl Conjurer<'_> {
     }
 
     fn raise_barrier(&mut self, seed: u32) {
-        let texture = self.stage.texture("curtain", paint::curtain(seed), true);
+        let texture = self.builder.texture("curtain", paint::curtain(seed), true);
         let material = self.shining("barrier", Some(texture), (1.5 * ICE).extend(0.95));
         let (warden, towards) = self.against_golem();
         for shell in 0..1 + self.amount.ceil() as u32 {
             if !self.next_is_there() {
                 continue;
             }
-            let prop = self.stage.prop("barrier", barrier(material, BARRIER_RADIUS + 0.16 * shell as f32));
-            let node = self.stage.joint("barrier", None, warden);
-            self.stage.hang(&prop, node);
+            let prop = self.builder.prop("barrier", barrier(material, BARRIER_RADIUS + 0.16 * shell as f32));
+            let node = self.builder.joint("barrier", None, warden);
+            self.builder.hang(&prop, node);
             let turn = Quat::from_rotation_y(towards.x.atan2(towards.z));
             let keys =
                 Keys { times_secs: vec![0.0], values: vec![turn], interpolation: Interpolation::Linear };
@@ -236,8 +236,8 @@ impl Conjurer<'_> {
     /// A lamp that is there for a while; the rest of the time it is too deep under the ground to reach anything.
     fn flare(&mut self, name: &str, at: Vec3, candela: Vec3, range: f32, [start, end]: [f32; 2]) {
         let below = at - Vec3::Y * (2.0 * range + 10.0);
-        let node = self.stage.joint(name, None, below);
-        self.stage.lamp_on(name, node, candela, range);
+        let node = self.builder.joint(name, None, below);
+        self.builder.lamp_on(name, node, candela, range);
         let keys = Keys {
             times_secs: vec![0.0, start, end, CLIP_SECS],
             values: vec![below, at, below, below],
@@ -247,7 +247,7 @@ impl Conjurer<'_> {
     }
 
     fn draw_circles(&mut self, seed: u32) {
-        let texture = self.stage.texture("circle", paint::circle(seed), true);
+        let texture = self.builder.texture("circle", paint::circle(seed), true);
         let cast = self.cast;
         let circles: [(&Actor, f32, Vec3, [f32; 2]); 6] = [
             (&cast.tidecaller, 1.6, SEA, [0.9, 8.9]),
@@ -271,9 +271,9 @@ impl Conjurer<'_> {
                 Vec2::ZERO,
                 Vec2::ONE,
             );
-            let prop = self.stage.prop("circle", model);
-            let node = self.stage.joint("circle", None, Vec3::ZERO);
-            self.stage.hang(&prop, node);
+            let prop = self.builder.prop("circle", model);
+            let node = self.builder.joint("circle", None, Vec3::ZERO);
+            self.builder.hang(&prop, node);
             // Circles that overlap lie at heights of their own, above the inlays of the floor.
             self.channels.push(actor.follow(node, 0.03 + 0.012 * index as f32));
             let turn = if index % 2 == 0 { TAU } else { -TAU };
@@ -299,17 +299,17 @@ impl Conjurer<'_> {
             let mut model = Model::default();
             let height = 4.6 - 1.4 * radius;
             column(model.paint(material, Vec3::ONE), radius, height);
-            let prop = self.stage.prop("pillar of light", model);
-            let node = self.stage.joint("pillar of light", None, healer + Vec3::Y * 0.02);
-            self.stage.hang(&prop, node);
+            let prop = self.builder.prop("pillar of light", model);
+            let node = self.builder.joint("pillar of light", None, healer + Vec3::Y * 0.02);
+            self.builder.hang(&prop, node);
             self.show(node, time, 0.6, Vec3::ONE, Vec3::new(1.0, 0.0, 1.0));
         }
         for _ in 0..self.number(90) {
-            let birth_secs = self.chance.between(time[0], time[1] - 1.2);
-            let away = Vec2::from_angle(self.chance.between(0.0, TAU)) * self.chance.between(0.4, 1.2);
-            let size = self.chance.between(0.03, 0.07);
+            let birth_secs = self.rng.between(time[0], time[1] - 1.2);
+            let away = Vec2::from_angle(self.rng.between(0.0, TAU)) * self.rng.between(0.4, 1.2);
+            let size = self.rng.between(0.03, 0.07);
             self.light.push(Particle {
-                velocity: Vec3::Y * self.chance.between(0.8, 1.7),
+                velocity: Vec3::Y * self.rng.between(0.8, 1.7),
                 half_size: [size, 0.6 * size],
                 tint: 4.0 * GOLD,
                 tile: SPARK,
@@ -320,19 +320,19 @@ impl Conjurer<'_> {
 
     /// What a blade leaves in the air.
     fn swing_blades(&mut self, seed: u32) {
-        let texture = self.stage.texture("trail", paint::trail(seed), true);
+        let texture = self.builder.texture("trail", paint::trail(seed), true);
         let cast = self.cast;
         let bright = self.shining("trail", Some(texture), Vec4::new(1.5, 2.1, 2.8, 0.9));
         let dark = self.shining("trail", Some(texture), Vec4::new(2.8, 0.55, 0.16, 0.9));
         let heroes = cast.knights.iter().map(|actor| (actor, bright));
         for (actor, material) in heroes.chain(cast.raiders.iter().map(|actor| (actor, dark))) {
-            let prop = self.stage.prop("trail", crescent(material, 0.55, 1.65));
+            let prop = self.builder.prop("trail", crescent(material, 0.55, 1.65));
             for start in actor.starts(SLASH) {
                 if !self.next_is_there() {
                     continue;
                 }
-                let node = self.stage.joint("trail", Some(actor.root), Vec3::Y * 1.25);
-                self.stage.hang(&prop, node);
+                let node = self.builder.joint("trail", Some(actor.root), Vec3::Y * 1.25);
+                self.builder.hang(&prop, node);
                 // While the blade comes down, and a little longer.
                 self.show(node, [start + 0.30, start + 0.72], 0.10, Vec3::ONE, Vec3::ZERO);
             }
@@ -354,7 +354,7 @@ impl Conjurer<'_> {
         let everybody = everybody.chain(cast.raiders.iter().map(bar(red, helmet)));
         for (actor, colour, height, half) in everybody.chain([(&cast.golem, red, 4.7, 1.0)]) {
             let tall = 0.075 * f32::sqrt(half / 0.40);
-            let node = self.stage.joint("health", None, Vec3::ZERO);
+            let node = self.builder.joint("health", None, Vec3::ZERO);
             self.channels.push(actor.follow(node, height));
             let mut card = Model::default();
             let rim = 0.025;
@@ -363,26 +363,26 @@ impl Conjurer<'_> {
                 Vec3::X * 2.0 * (half + rim),
                 Vec3::Y * (tall + 2.0 * rim),
             );
-            let prop = self.stage.prop("health frame", card);
-            self.stage.hang(&prop, node);
+            let prop = self.builder.prop("health frame", card);
+            self.builder.hang(&prop, node);
             let mut filling = Model::default();
             filling.paint(colour, Vec3::ONE).panel(
                 Vec3::Y * (-0.5 * tall),
                 Vec3::X * (2.0 * half),
                 Vec3::Y * tall,
             );
-            let prop = self.stage.prop("health", filling);
-            let full = self.stage.joint("health", Some(node), Vec3::new(-half, 0.0, 0.02));
-            self.stage.hang(&prop, full);
+            let prop = self.builder.prop("health", filling);
+            let full = self.builder.joint("health", Some(node), Vec3::new(-half, 0.0, 0.02));
+            self.builder.hang(&prop, full);
             // Three blows; the clip ends with all of them healed, since it loops.
             let mut left = 1.0;
             let mut keys =
                 Keys { times_secs: vec![0.0], values: vec![Vec3::ONE], interpolation: Interpolation::Linear };
             for blow in 0..3 {
-                let start = 2.6 + 1.7 * blow as f32 + self.chance.about(0.0, 0.5);
+                let start = 2.6 + 1.7 * blow as f32 + self.rng.about(0.0, 0.5);
                 keys.times_secs.extend([start, start + 0.15]);
                 keys.values.push(Vec3::new(left, 1.0, 1.0));
-                left -= self.chance.between(0.08, 0.26);
+                left -= self.rng.between(0.08, 0.26);
                 keys.values.push(Vec3::new(left, 1.0, 1.0));
             }
             keys.times_secs.extend([9.0, CLIP_SECS]);
@@ -419,14 +419,11 @@ impl Conjurer<'_> {
     /// A bolt with its trail and its burst.
     fn throw(&mut self, caster: &Actor, start: f32, target: &Actor, before: f32, colour: Vec3) {
         let from = caster.point(RIGHT_HAND, staff_tip(), start);
-        let aim = target.point(CHEST, HEART, start + 0.6) + self.chance.gaussian() * 0.15;
+        let aim = target.point(CHEST, HEART, start + 0.6) + self.rng.gaussian() * 0.15;
         let to = aim - (aim - from).normalize() * before;
         let flight_secs = from.distance(to) / 11.0;
-        let bend = Vec3::new(
-            self.chance.about(0.0, 5.0),
-            self.chance.between(-9.0, -1.0),
-            self.chance.about(0.0, 5.0),
-        );
+        let bend =
+            Vec3::new(self.rng.about(0.0, 5.0), self.rng.between(-9.0, -1.0), self.rng.about(0.0, 5.0));
         let velocity = (to - from) / flight_secs - 0.5 * bend * flight_secs;
         let flying = Particle { velocity, acceleration: bend, ..mote(start, flight_secs, from) };
         let white = Vec3::splat(0.5) + colour;
@@ -436,16 +433,16 @@ impl Conjurer<'_> {
             self.light.push(Particle { half_size: [half_size; 2], alpha, tint, ..flying });
         }
         for _ in 0..self.number(22) {
-            let age = self.chance.unit() * flight_secs;
+            let age = self.rng.unit() * flight_secs;
             let at = from + velocity * age + 0.5 * bend * age * age;
-            let size = self.chance.between(0.06, 0.15);
+            let size = self.rng.between(0.06, 0.15);
             self.light.push(Particle {
-                velocity: 0.06 * velocity + self.chance.gaussian() * 0.18,
+                velocity: 0.06 * velocity + self.rng.gaussian() * 0.18,
                 half_size: [size, 0.3 * size],
                 alpha: 0.75,
-                tint: colour * self.chance.between(1.5, 4.0),
-                tile: if self.chance.happens(0.4) { SPARK } else { GLOW },
-                ..mote(start + age, self.chance.between(0.25, 0.65), at + self.chance.gaussian() * 0.03)
+                tint: colour * self.rng.between(1.5, 4.0),
+                tile: if self.rng.happens(0.4) { SPARK } else { GLOW },
+                ..mote(start + age, self.rng.between(0.25, 0.65), at + self.rng.gaussian() * 0.03)
             });
         }
         let burst_secs = start + flight_secs;
@@ -456,15 +453,15 @@ impl Conjurer<'_> {
             ..mote(burst_secs, 0.3, to)
         });
         for _ in 0..self.number(16) {
-            let size = self.chance.between(0.03, 0.07);
-            let out = self.chance.direction() - 0.35 * velocity.normalize();
+            let size = self.rng.between(0.03, 0.07);
+            let out = self.rng.direction() - 0.35 * velocity.normalize();
             self.light.push(Particle {
-                velocity: out * self.chance.between(1.0, 3.6),
+                velocity: out * self.rng.between(1.0, 3.6),
                 acceleration: 0.5 * GRAVITY,
                 half_size: [size, 0.4 * size],
                 tint: 4.0 * colour + Vec3::splat(0.4),
                 tile: SPARK,
-                ..mote(burst_secs, self.chance.between(0.3, 0.7), to)
+                ..mote(burst_secs, self.rng.between(0.3, 0.7), to)
             });
         }
     }
@@ -476,34 +473,32 @@ impl Conjurer<'_> {
         let hit = warden + towards * (BARRIER_RADIUS + 0.35) + Vec3::Y * 1.35;
         let flight_secs = 0.5;
         for _ in 0..self.number(560) {
-            let birth_secs = self.chance.between(BREATH_SECS[0], BREATH_SECS[1]);
+            let birth_secs = self.rng.between(BREATH_SECS[0], BREATH_SECS[1]);
             let mouth = self.cast.golem.point(HEAD, GOLEM_MOUTH, birth_secs);
-            let spread = side * self.chance.gaussian().x * 0.32 + Vec3::Y * self.chance.gaussian().x * 0.30;
-            let lifetime_secs = flight_secs * self.chance.between(0.85, 1.0);
+            let spread = side * self.rng.gaussian().x * 0.32 + Vec3::Y * self.rng.gaussian().x * 0.30;
+            let lifetime_secs = flight_secs * self.rng.between(0.85, 1.0);
             let end = mouth.lerp(hit + spread, lifetime_secs / flight_secs);
-            let heat = self.chance.unit();
+            let heat = self.rng.unit();
             self.fire.push(Particle {
                 velocity: (end - mouth) / lifetime_secs,
-                half_size: [0.12, self.chance.between(0.34, 0.62)],
-                rotation_rad: self.chance.between(0.0, TAU),
-                spin_rad_per_sec: self.chance.about(0.0, 5.0),
-                alpha: self.chance.between(0.45, 0.9),
+                half_size: [0.12, self.rng.between(0.34, 0.62)],
+                rotation_rad: self.rng.between(0.0, TAU),
+                spin_rad_per_sec: self.rng.about(0.0, 5.0),
+                alpha: self.rng.between(0.45, 0.9),
                 tint: Vec3::new(2.3, 1.3, 0.5) * (0.5 + 0.9 * heat * heat),
-                tile: self.chance.below(FLAME_TILES),
-                ..mote(birth_secs, lifetime_secs, mouth + self.chance.gaussian() * 0.06)
+                tile: self.rng.below(FLAME_TILES),
+                ..mote(birth_secs, lifetime_secs, mouth + self.rng.gaussian() * 0.06)
             });
         }
         self.splash_fire(hit, towards, flight_secs);
         for _ in 0..self.number(70) {
-            let birth_secs = self.chance.between(BREATH_SECS[0] + 0.6, BREATH_SECS[1] + 0.6);
+            let birth_secs = self.rng.between(BREATH_SECS[0] + 0.6, BREATH_SECS[1] + 0.6);
             self.dust.push(Particle {
-                velocity: Vec3::Y * self.chance.between(0.7, 1.3)
-                    + towards * 0.2
-                    + self.chance.gaussian() * 0.15,
-                half_size: [0.3, self.chance.between(0.7, 1.2)],
-                alpha: self.chance.between(0.12, 0.3),
+                velocity: Vec3::Y * self.rng.between(0.7, 1.3) + towards * 0.2 + self.rng.gaussian() * 0.15,
+                half_size: [0.3, self.rng.between(0.7, 1.2)],
+                alpha: self.rng.between(0.12, 0.3),
                 tint: Vec3::splat(0.13),
-                ..puff(birth_secs, 2.2, hit + Vec3::Y * 1.1, &mut self.chance)
+                ..puff(birth_secs, 2.2, hit + Vec3::Y * 1.1, &mut self.rng)
             });
         }
         let middle = 0.5 * (BREATH_SECS[0] + BREATH_SECS[1]);
@@ -520,22 +515,22 @@ impl Conjurer<'_> {
     fn splash_fire(&mut self, hit: Vec3, towards: Vec3, flight_secs: f32) {
         let side = Vec3::Y.cross(towards);
         for _ in 0..self.number(420) {
-            let birth_secs = self.chance.between(BREATH_SECS[0], BREATH_SECS[1]) + 0.9 * flight_secs;
-            let angle = self.chance.between(-0.35, PI + 0.35);
+            let birth_secs = self.rng.between(BREATH_SECS[0], BREATH_SECS[1]) + 0.9 * flight_secs;
+            let angle = self.rng.between(-0.35, PI + 0.35);
             let along = side * angle.cos() + Vec3::Y * angle.sin();
-            let speed = self.chance.between(1.2, 4.2);
+            let speed = self.rng.between(1.2, 4.2);
             self.fire.push(Particle {
                 velocity: along * speed + towards * 0.25,
                 // The wall is round: what spreads along it turns around it.
                 acceleration: towards * (-0.35 * speed * angle.cos().powi(2)) + Vec3::Y * 1.3
                     - along * speed * 0.5,
-                half_size: [0.16, self.chance.between(0.26, 0.52)],
-                rotation_rad: self.chance.between(0.0, TAU),
-                spin_rad_per_sec: self.chance.about(0.0, 4.0),
-                alpha: self.chance.between(0.35, 0.8),
-                tint: Vec3::new(2.0, 1.0, 0.35) * self.chance.between(0.35, 1.0),
-                tile: self.chance.below(FLAME_TILES),
-                ..mote(birth_secs, self.chance.between(0.45, 0.95), hit + self.chance.gaussian() * 0.12)
+                half_size: [0.16, self.rng.between(0.26, 0.52)],
+                rotation_rad: self.rng.between(0.0, TAU),
+                spin_rad_per_sec: self.rng.about(0.0, 4.0),
+                alpha: self.rng.between(0.35, 0.8),
+                tint: Vec3::new(2.0, 1.0, 0.35) * self.rng.between(0.35, 1.0),
+                tile: self.rng.below(FLAME_TILES),
+                ..mote(birth_secs, self.rng.between(0.45, 0.95), hit + self.rng.gaussian() * 0.12)
             });
         }
     }
@@ -544,49 +539,49 @@ impl Conjurer<'_> {
     fn call_water(&mut self) {
         let flight_secs = 0.95;
         for index in 0..self.number(1200) {
-            let birth_secs = self.chance.between(WATER_SECS[0], WATER_SECS[1]);
+            let birth_secs = self.rng.between(WATER_SECS[0], WATER_SECS[1]);
             let from = self.cast.tidecaller.point(RIGHT_HAND, staff_tip(), birth_secs);
             let aim = self.cast.golem.point(CHEST, Vec3::new(0.3, 1.1, 0.75), birth_secs + flight_secs);
             // Three strands that wind around each other.
             let turn = TAU * (1.1 * birth_secs + index as f32 / 3.0);
             let strand = Vec3::new(0.3 * turn.cos(), 0.3 * turn.sin(), 0.0);
-            let to = aim + 1.1 * strand + self.chance.gaussian() * 0.14;
+            let to = aim + 1.1 * strand + self.rng.gaussian() * 0.14;
             let velocity = (to - from) / flight_secs - 0.5 * GRAVITY * flight_secs;
-            let size = if self.chance.happens(0.15) {
-                self.chance.between(0.05, 0.08)
+            let size = if self.rng.happens(0.15) {
+                self.rng.between(0.05, 0.08)
             } else {
-                self.chance.between(0.022, 0.048)
+                self.rng.between(0.022, 0.048)
             };
             self.drops.push(Particle {
                 velocity,
                 acceleration: GRAVITY,
                 half_size: [0.7 * size, size],
-                alpha: self.chance.between(0.45, 0.8),
+                alpha: self.rng.between(0.45, 0.8),
                 tint: Vec3::new(0.45, 0.85, 1.0),
                 tile: DROP,
                 ..mote(birth_secs, flight_secs, from + 0.5 * strand)
             });
             if index.is_multiple_of(3) {
-                let size = self.chance.between(0.025, 0.06);
-                let out = self.chance.direction() - 0.5 * velocity.normalize() + Vec3::Y * 0.5;
+                let size = self.rng.between(0.025, 0.06);
+                let out = self.rng.direction() - 0.5 * velocity.normalize() + Vec3::Y * 0.5;
                 self.drops.push(Particle {
-                    velocity: out * self.chance.between(0.8, 3.0),
+                    velocity: out * self.rng.between(0.8, 3.0),
                     acceleration: GRAVITY,
                     half_size: [size; 2],
                     alpha: 0.7,
                     tint: Vec3::new(0.6, 0.9, 1.0),
                     tile: DROP,
-                    ..mote(birth_secs + flight_secs, self.chance.between(0.35, 0.7), to)
+                    ..mote(birth_secs + flight_secs, self.rng.between(0.35, 0.7), to)
                 });
             }
             if index.is_multiple_of(12) {
-                let rise = Vec3::Y * self.chance.between(0.5, 1.1);
+                let rise = Vec3::Y * self.rng.between(0.5, 1.1);
                 self.dust.push(Particle {
-                    velocity: rise + self.chance.gaussian() * 0.2,
-                    half_size: [0.2, self.chance.between(0.5, 0.9)],
-                    alpha: self.chance.between(0.12, 0.30),
+                    velocity: rise + self.rng.gaussian() * 0.2,
+                    half_size: [0.2, self.rng.between(0.5, 0.9)],
+                    alpha: self.rng.between(0.12, 0.30),
                     tint: Vec3::new(0.75, 0.82, 0.88),
-                    ..puff(birth_secs + flight_secs, 1.5, to, &mut self.chance)
+                    ..puff(birth_secs + flight_secs, 1.5, to, &mut self.rng)
                 });
             }
         }
@@ -597,35 +592,30 @@ impl Conjurer<'_> {
         for hand in [RIGHT_HAND, LEFT_HAND] {
             let fist = self.cast.golem.point(hand, Vec3::Y * -1.2, SMASH_SECS + 0.05).with_y(0.15);
             for _ in 0..self.number(80) {
-                let around = Vec2::from_angle(self.chance.between(0.0, TAU));
-                let out = Vec3::new(around.x, self.chance.between(0.05, 0.4), around.y)
-                    * self.chance.between(0.9, 2.9);
-                let lifetime_secs = self.chance.between(1.4, 2.8);
+                let around = Vec2::from_angle(self.rng.between(0.0, TAU));
+                let out =
+                    Vec3::new(around.x, self.rng.between(0.05, 0.4), around.y) * self.rng.between(0.9, 2.9);
+                let lifetime_secs = self.rng.between(1.4, 2.8);
                 self.dust.push(Particle {
                     velocity: out,
                     acceleration: -out / lifetime_secs * 0.85,
-                    half_size: [0.2, self.chance.between(0.5, 0.95)],
-                    alpha: self.chance.between(0.20, 0.48),
+                    half_size: [0.2, self.rng.between(0.5, 0.95)],
+                    alpha: self.rng.between(0.20, 0.48),
                     // As in a cloud, light scatters many times.
                     tint: Vec3::new(2.2, 1.75, 1.4),
-                    ..puff(
-                        SMASH_SECS + self.chance.between(-0.02, 0.1),
-                        lifetime_secs,
-                        fist,
-                        &mut self.chance,
-                    )
+                    ..puff(SMASH_SECS + self.rng.between(-0.02, 0.1), lifetime_secs, fist, &mut self.rng)
                 });
             }
             for _ in 0..self.number(40) {
-                let size = self.chance.between(0.025, 0.06);
-                let out = self.chance.direction() * Vec3::new(1.0, 0.4, 1.0) + Vec3::Y * 0.9;
+                let size = self.rng.between(0.025, 0.06);
+                let out = self.rng.direction() * Vec3::new(1.0, 0.4, 1.0) + Vec3::Y * 0.9;
                 self.light.push(Particle {
-                    velocity: out * self.chance.between(1.5, 4.5),
+                    velocity: out * self.rng.between(1.5, 4.5),
                     acceleration: GRAVITY,
                     half_size: [size, 0.6 * size],
                     tint: 4.0 * EMBER + Vec3::splat(0.2),
                     tile: SPARK,
-                    ..mote(SMASH_SECS, self.chance.between(0.4, 0.8), fist)
+                    ..mote(SMASH_SECS, self.rng.between(0.4, 0.8), fist)
                 });
             }
         }
@@ -633,16 +623,16 @@ impl Conjurer<'_> {
         let cast = self.cast;
         let fighters: Vec<&Actor> = cast.knights.iter().chain(&cast.raiders).chain([&cast.golem]).collect();
         for _ in 0..self.number(150) {
-            let birth_secs = 1.5 + 5.2 * self.chance.unit().powf(0.6);
-            let actor = *self.chance.pick(&fighters);
-            let spread = self.chance.gaussian() * Vec3::new(0.5, 0.0, 0.5);
+            let birth_secs = 1.5 + 5.2 * self.rng.unit().powf(0.6);
+            let actor = *self.rng.pick(&fighters);
+            let spread = self.rng.gaussian() * Vec3::new(0.5, 0.0, 0.5);
             let at = actor.point(ROOT, spread + Vec3::Y * 0.2, birth_secs);
             self.dust.push(Particle {
-                velocity: self.chance.gaussian() * Vec3::new(0.22, 0.05, 0.22) + Vec3::Y * 0.12,
-                half_size: [0.2, self.chance.between(0.45, 0.85)],
-                alpha: self.chance.between(0.06, 0.20),
+                velocity: self.rng.gaussian() * Vec3::new(0.22, 0.05, 0.22) + Vec3::Y * 0.12,
+                half_size: [0.2, self.rng.between(0.45, 0.85)],
+                alpha: self.rng.between(0.06, 0.20),
                 tint: Vec3::new(1.9, 1.55, 1.25),
-                ..puff(birth_secs, self.chance.between(1.2, 2.4), at, &mut self.chance)
+                ..puff(birth_secs, self.rng.between(1.2, 2.4), at, &mut self.rng)
             });
         }
     }
@@ -652,34 +642,34 @@ impl Conjurer<'_> {
         let mut flames = Vec::new();
         for fire in place::braziers() {
             for _ in 0..self.number(56) {
-                let around = self.chance.gaussian() * Vec3::new(0.20, 0.02, 0.20);
-                let lifetime_secs = self.chance.between(0.6, 1.15);
-                let tall = self.chance.between(0.75, 1.35);
+                let around = self.rng.gaussian() * Vec3::new(0.20, 0.02, 0.20);
+                let lifetime_secs = self.rng.between(0.6, 1.15);
+                let tall = self.rng.between(0.75, 1.35);
                 flames.push(Particle {
                     velocity: Vec3::Y * tall - around * 0.9,
-                    half_size: [self.chance.between(0.24, 0.34), 0.06],
-                    rotation_rad: self.chance.between(0.0, TAU),
-                    spin_rad_per_sec: self.chance.about(0.0, 2.5),
-                    alpha: self.chance.between(0.45, 0.85),
-                    tint: Vec3::new(2.2, 1.25, 0.45) * self.chance.between(0.45, 1.1),
-                    tile: self.chance.below(FLAME_TILES),
+                    half_size: [self.rng.between(0.24, 0.34), 0.06],
+                    rotation_rad: self.rng.between(0.0, TAU),
+                    spin_rad_per_sec: self.rng.about(0.0, 2.5),
+                    alpha: self.rng.between(0.45, 0.85),
+                    tint: Vec3::new(2.2, 1.25, 0.45) * self.rng.between(0.45, 1.1),
+                    tile: self.rng.below(FLAME_TILES),
                     ..mote(
-                        self.chance.between(0.0, BRAZIER_LOOP_SECS),
+                        self.rng.between(0.0, BRAZIER_LOOP_SECS),
                         lifetime_secs,
                         fire + around + Vec3::Y * 0.2,
                     )
                 });
             }
             for _ in 0..self.number(12) {
-                let birth_secs = self.chance.between(0.0, CLIP_SECS);
-                let drift = self.chance.gaussian() * 0.25 + Vec3::Y * self.chance.between(0.9, 1.7);
+                let birth_secs = self.rng.between(0.0, CLIP_SECS);
+                let drift = self.rng.gaussian() * 0.25 + Vec3::Y * self.rng.between(0.9, 1.7);
                 self.light.push(Particle {
                     velocity: drift,
-                    acceleration: self.chance.gaussian() * 0.3,
+                    acceleration: self.rng.gaussian() * 0.3,
                     half_size: [0.035, 0.02],
                     tint: Vec3::new(6.0, 1.8, 0.4),
                     tile: SPARK,
-                    ..mote(birth_secs, self.chance.between(1.2, 2.4), fire + Vec3::Y * 0.5)
+                    ..mote(birth_secs, self.rng.between(1.2, 2.4), fire + Vec3::Y * 0.5)
                 });
             }
         }
@@ -691,9 +681,9 @@ impl Conjurer<'_> {
         let flames = self.kindle();
         let clouds = self.clouds();
 
-        let atlas = self.stage.texture("flames", paint::flames(seed), true);
+        let atlas = self.builder.texture("flames", paint::flames(seed), true);
         let shining = self.shining("flames", Some(atlas), Vec4::ONE);
-        let water = self.stage.material(Material {
+        let water = self.builder.material(Material {
             name: "drops".to_owned(),
             base_colour: Vec4::new(0.5, 0.75, 0.85, 1.0),
             base_colour_texture: Some(TextureRef::new(atlas)),
@@ -703,13 +693,13 @@ impl Conjurer<'_> {
             double_sided: true,
             ..Material::default()
         });
-        let smoke = smoke::material(self.stage, seed);
+        let smoke = smoke::material(self.builder, seed);
         let still = Turbulence::default();
         // Turbulence turns a whole number of times in a loop, so that the clip has no seam.
         let licking = Turbulence { amplitude: 0.05, scale: 1.3, speed: 0.5 };
         let rolling = Turbulence { amplitude: 0.07, scale: 1.8, speed: 0.2 };
         let mut system = |name: &str, material, atlas, particles, loop_secs, turbulence, fade, near_fade| {
-            self.stage.particles(ParticleSystem {
+            self.builder.particles(ParticleSystem {
                 name: name.to_owned(),
                 material,
                 atlas,
@@ -727,24 +717,23 @@ impl Conjurer<'_> {
         system("water", water, FLAME_ATLAS, self.drops, CLIP_SECS, still, [0.05, 0.10], near);
         system("dust", smoke, smoke::ATLAS, self.dust, CLIP_SECS, rolling, [0.12, 0.55], [1.6, 0.4]);
         system("clouds", smoke, smoke::ATLAS, clouds, CLIP_SECS, still, [0.3, 0.3], near);
-        self.stage.animate(Animation { name: "effects".to_owned(), channels: self.channels });
+        self.builder.animate(Animation { name: "effects".to_owned(), channels: self.channels });
     }
 
     /// Cards of cloud beyond the arena that catch the last light.
     fn clouds(&mut self) -> Vec<Particle> {
         let mut clouds = Vec::new();
         for bank in 0..self.number(9) {
-            let turn = 0.53 + 0.045 * (bank as f32 - 4.0) + self.chance.about(0.0, 0.015);
-            let middle =
-                place::around(turn, self.chance.between(155.0, 170.0), self.chance.between(34.0, 60.0));
+            let turn = 0.53 + 0.045 * (bank as f32 - 4.0) + self.rng.about(0.0, 0.015);
+            let middle = place::around(turn, self.rng.between(155.0, 170.0), self.rng.between(34.0, 60.0));
             let across = Vec3::Y.cross(middle).normalize();
             for _ in 0..7 {
-                let stray = self.chance.gaussian();
-                let birth_secs = self.chance.between(0.0, CLIP_SECS);
+                let stray = self.rng.gaussian();
+                let birth_secs = self.rng.between(0.0, CLIP_SECS);
                 clouds.push(Particle {
                     velocity: across * 0.25,
                     half_size: [9.0, 12.0],
-                    alpha: self.chance.between(0.22, 0.5),
+                    alpha: self.rng.between(0.22, 0.5),
                     // Light scatters many times in a cloud; scattered once it would be grey against the sky.
                     tint: Vec3::new(2.3, 1.6, 1.5),
                     spin_rad_per_sec: 0.0,
@@ -752,7 +741,7 @@ impl Conjurer<'_> {
                         birth_secs,
                         CLIP_SECS,
                         middle + across * (13.0 * stray.x) + Vec3::Y * (1.8 * stray.y),
-                        &mut self.chance,
+                        &mut self.rng,
                     )
                 });
             }

@@ -44,7 +44,7 @@ fn put_walls(assembly: &mut Assembly) {
         shape.extrude(&[outline], -half, half, 0.015);
     });
     for bank in BANKS {
-        assembly.stage.place(&part, Affine3A::from_scale(Vec3::new(bank.side, 1.0, 1.0)));
+        assembly.builder.place(&part, Affine3A::from_scale(Vec3::new(bank.side, 1.0, 1.0)));
     }
     let inner = |bank: usize, y: f32| BANKS[bank].point(Vec2::new(-0.62, y));
     let valley =
@@ -100,8 +100,8 @@ fn put_bulkheads(assembly: &mut Assembly) {
     for &z in &places {
         // The outer ones stand inside the end plates.
         let z = z.clamp(-half + 0.1, half - 0.1);
-        assembly.stage.place(&part, Affine3A::from_translation(Vec3::Z * z));
-        assembly.stage.place(&shell, Affine3A::from_translation(Vec3::Z * z));
+        assembly.builder.place(&part, Affine3A::from_translation(Vec3::Z * z));
+        assembly.builder.place(&shell, Affine3A::from_translation(Vec3::Z * z));
         for x in [-0.46, 0.46] {
             assembly.bolt(Vec3::new(x, RAIL - 0.125, z), Vec3::NEG_Y, 0.045);
         }
@@ -139,15 +139,15 @@ fn put_decks(assembly: &mut Assembly) {
         let deck = bored(assembly, bank.side, 0.66, 0.52);
         let gasket = bored(assembly, bank.side, 0.65, 0.475);
         let part = assembly.part("deck", finish.cast, |shape| shape.extrude_up(&deck, 2.2, DECK, 0.012));
-        assembly.stage.place(&part, bank.to_world());
+        assembly.builder.place(&part, bank.to_world());
         let part = assembly.part("head gasket", finish.copper, |shape| {
             shape.extrude_up(&gasket, DECK + GAP, DECK + 0.018, 0.0);
         });
-        assembly.stage.place(&part, bank.to_world());
+        assembly.builder.place(&part, bank.to_world());
     }
     for cylinder in assembly.layout.cylinders() {
         let place = cylinder.bank.to_world() * Affine3A::from_translation(Vec3::Z * cylinder.z);
-        assembly.stage.place(&liner, place);
+        assembly.builder.place(&liner, place);
     }
 }
 
@@ -205,7 +205,7 @@ fn put_stand(assembly: &mut Assembly) {
     });
     for (x, z) in [(-1.2, -1.0), (1.2, -1.0), (-1.2, 1.0), (1.2, 1.0)] {
         let foot = Vec3::new(x, RAIL - 0.07 - 1.3 - 0.08, z * (half - 0.3));
-        assembly.stage.place(&post, Affine3A::from_translation(foot));
+        assembly.builder.place(&post, Affine3A::from_translation(foot));
     }
     assembly.put("plinth", finish.slate, |shape| {
         let top = RAIL - 0.07 - 1.3 - 0.09;

@@ -4,7 +4,7 @@ use glam::Vec3;
 use sheer_core::colour::linear_from_hex;
 use sheer_scene::model::{AlphaMode, Material};
 
-use crate::{builder::Stage, rng::Chance};
+use crate::{builder::SceneBuilder, rng::Rng};
 
 /// Indices of the materials.
 #[derive(Clone, Copy, Debug)]
@@ -35,13 +35,13 @@ pub(super) struct Finish {
 const ACCENTS: [u32; 4] = [0xc8_20_1c, 0x1c_8a_4a, 0x6a_3c_b8, 0xe0_a0_18];
 
 impl Finish {
-    pub(super) fn new(stage: &mut Stage, alpha: f32, seed: u32) -> Self {
-        let mut chance = Chance::new(seed, "finish");
+    pub(super) fn new(builder: &mut SceneBuilder, alpha: f32, seed: u32) -> Self {
+        let mut rng = Rng::new(seed, "finish");
         let mut material = |name: &str, hex: u32, metallic: f32, roughness: f32| {
             // No two batches of paint are quite alike.
-            let batch = Vec3::ONE + 0.03 * chance.gaussian();
+            let batch = Vec3::ONE + 0.03 * rng.gaussian();
             let colour = (linear_from_hex(hex) * batch).clamp(Vec3::ZERO, Vec3::ONE);
-            stage.material(Material {
+            builder.material(Material {
                 name: name.to_owned(),
                 base_colour: colour.extend(alpha),
                 alpha_mode: AlphaMode::Blend,

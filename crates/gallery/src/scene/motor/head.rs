@@ -50,7 +50,7 @@ fn put_casting(assembly: &mut Assembly) {
         let part = assembly.part("fire deck", finish.cast, |shape| {
             shape.extrude_up(&plate, DECK + 0.018 + GAP, FIRE_DECK, 0.012);
         });
-        assembly.stage.place(&part, bank.to_world());
+        assembly.builder.place(&part, bank.to_world());
     }
     for x in [1.0, -1.0] {
         assembly.put_on_banks("head wall", finish.cast, |shape| {
@@ -123,8 +123,8 @@ fn put_ports(assembly: &mut Assembly) {
         });
         for cylinder in assembly.layout.cylinders() {
             let place = cylinder.bank.to_world() * Affine3A::from_translation(Vec3::Z * cylinder.z);
-            assembly.stage.place(&port, place);
-            assembly.stage.place(&plate, place);
+            assembly.builder.place(&port, place);
+            assembly.builder.place(&plate, place);
             for z in [-0.265, 0.265] {
                 let seat = place.transform_point3(mouth + out * 0.055 + Vec3::Z * z);
                 assembly.bolt(seat, place.transform_vector3(out), 0.03);
@@ -154,7 +154,7 @@ fn put_carriers(assembly: &mut Assembly) {
     for bank in BANKS {
         for z in layout.main_z() {
             let z = (z + bank.side * BANK_OFFSET).clamp(-layout.half() + 0.08, layout.half() - 0.08);
-            assembly.stage.place(&part, bank.to_world() * Affine3A::from_translation(Vec3::Z * z));
+            assembly.builder.place(&part, bank.to_world() * Affine3A::from_translation(Vec3::Z * z));
         }
     }
 }
@@ -176,7 +176,7 @@ fn put_coils(assembly: &mut Assembly) {
         let foot = Vec3::new(0.0, COVER_TOP, cylinder.z);
         let place = cylinder.bank.to_world() * Affine3A::from_translation(foot);
         for part in [&coil, &stem] {
-            assembly.stage.place(part, place);
+            assembly.builder.place(part, place);
         }
         let seat = place.transform_point3(Vec3::new(0.24, 0.265, 0.0));
         assembly.bolt(seat, place.transform_vector3(Vec3::Y), 0.022);
@@ -272,7 +272,7 @@ fn put_plugs(assembly: &mut Assembly) {
         let foot = Vec3::new(0.0, FIRE_DECK + 0.03, cylinder.z);
         let place = cylinder.bank.to_world() * Affine3A::from_translation(foot);
         for part in [&metal, &insulator, &tube] {
-            assembly.stage.place(part, place);
+            assembly.builder.place(part, place);
         }
     }
 }

@@ -150,7 +150,7 @@ fn put_exhaust(assembly: &mut Assembly) {
             shape.pipe(&bend(&path, 6), 0.15, 18);
             shape.turned(mouth + out * 0.056, out, &ring(0.152, 0.2, 0.0, 0.03), 20);
         });
-        assembly.stage.place(&part, mirror(cylinder.bank));
+        assembly.builder.place(&part, mirror(cylinder.bank));
     }
     let last = assembly.layout.pin_z(assembly.layout.cylinders - 1);
     let first = assembly.layout.pin_z(0);
@@ -170,7 +170,7 @@ fn put_exhaust(assembly: &mut Assembly) {
         shape.turned(mouth, out, &ring(TURBINE.widest + 0.004, TURBINE.widest + 0.07, 0.0, 0.05), 22);
     });
     for bank in BANKS {
-        assembly.stage.place(&part, mirror(bank));
+        assembly.builder.place(&part, mirror(bank));
     }
 }
 
@@ -298,7 +298,7 @@ fn put_turbos(assembly: &mut Assembly) {
     });
     for bank in BANKS {
         for part in [&hot, &cold, &centre] {
-            assembly.stage.place(part, mirror(bank));
+            assembly.builder.place(part, mirror(bank));
         }
     }
     put_turbo_wheels(assembly, place);
@@ -351,13 +351,13 @@ fn put_charge_pipes(assembly: &mut Assembly, compressor: Affine3A) {
         shape.pipe(&bend(&path, 6), COMPRESSOR.widest, 18);
     });
     for bank in BANKS {
-        assembly.stage.place(&part, mirror(bank));
+        assembly.builder.place(&part, mirror(bank));
     }
     let clamp = assembly.part("hose clamp", finish.accent, |shape| {
         let foot = Vec3::new(0.2, PLENUM.y, -half - 0.04);
         shape.moved(stand(foot, Vec3::Z), |shape| shape.lathe(Vec3::ZERO, &ring(0.153, 0.18, 0.0, 0.1), 22));
     });
     for bank in BANKS {
-        assembly.stage.place(&clamp, mirror(bank));
+        assembly.builder.place(&clamp, mirror(bank));
     }
 }

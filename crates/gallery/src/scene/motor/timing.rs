@@ -126,7 +126,7 @@ fn put_bearings(assembly: &mut Assembly, low: f32, high: f32) {
             assembly.put_turning(&outer, centre, 0.0, wheel.turns);
             assembly.put_turning(&balls, centre, 0.0, wheel.turns * CAGE_TURNS);
             for part in [&inner, &stub] {
-                assembly.stage.place(part, Affine3A::from_translation(centre));
+                assembly.builder.place(part, Affine3A::from_translation(centre));
             }
             assembly.bolt(centre + Vec3::Z * (high + 0.025), Vec3::Z, 0.045);
         }

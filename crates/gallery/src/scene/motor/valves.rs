@@ -178,7 +178,7 @@ fn put_seats(assembly: &mut Assembly, valve: Valve) {
     for cylinder in assembly.layout.cylinders() {
         for z in [VALVE_Z, -VALVE_Z] {
             let place = stand(valve.at(0.0, cylinder.z + z), valve.axis());
-            assembly.stage.place(&seat, cylinder.bank.to_world() * place);
+            assembly.builder.place(&seat, cylinder.bank.to_world() * place);
         }
     }
 }
