@@ -15,3 +15,19 @@ pub fn open(text: &str) -> Result<Loaded, GalleryError> {
         loaded => Ok(loaded?),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_name_opens_a_built_in_scene_and_a_path_a_file() {
+        assert_eq!(open("layers:count=2").unwrap().scene.name(), "layers");
+        let file = concat!(env!("CARGO_MANIFEST_DIR"), "/no-such-file.GLB");
+        assert!(matches!(open(file), Err(GalleryError::Scene(SceneError::Read { .. }))));
+        for neither in ["layer", "layers.gltf.txt", ""] {
+            let error = open(neither).unwrap_err().to_string();
+            assert!(error.contains("neither a built-in scene nor a .gltf or .glb file"), "{error}");
+        }
+    }
+}

@@ -66,8 +66,11 @@ fn missing_and_short_files_are_named() {
         "{}",
         load()
     );
-    let error = open(folder.path().join("none.glb").to_str().unwrap()).unwrap_err().to_string();
+    let error = open(folder.path().join("none.glb")).unwrap_err().to_string();
     assert!(error.contains("none.glb"), "{error}");
+    for path in ["layers", "scene.obj", ""] {
+        assert!(matches!(open(path), Err(SceneError::UnknownFormat { .. })), "{path}");
+    }
 }
 
 #[test]
