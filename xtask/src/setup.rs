@@ -7,8 +7,8 @@ use std::{
 
 use crate::{apt::apt_get, driver, workspace::call};
 
-/// Browsers that can look at the pages, as the library that drives them finds them.
-const BROWSERS: [&str; 4] = ["google-chrome-stable", "chromium", "chromium-browser", "chrome"];
+/// Browsers that can look at the pages, a name a line, as the tests look for them.
+const BROWSERS: &str = include_str!("../../crates/cli/tests/cli/page/browsers.txt");
 
 /// Installs what is missing and says of each thing whether it was there.
 pub(crate) fn run() -> anyhow::Result<()> {
@@ -26,7 +26,7 @@ pub(crate) fn run() -> anyhow::Result<()> {
         );
         return Ok(());
     }
-    let has_browser = env::var_os("CHROME").is_some() || BROWSERS.into_iter().any(answers);
+    let has_browser = env::var_os("CHROME").is_some() || BROWSERS.lines().any(answers);
     if has_browser {
         eprintln!("setup: a browser is there");
     } else {

@@ -1,4 +1,4 @@
-//! The binary from outside: command line, outputs, exit codes.
+//! The binary from outside: command line, outputs, exit codes, pages.
 
 mod bench;
 mod calibrate;
@@ -6,6 +6,9 @@ mod compare;
 mod experiments;
 mod gpu;
 mod interruption;
+// The browser is talked to over descriptors that a shell hands on.
+#[cfg(unix)]
+mod page;
 mod render;
 mod run;
 mod usage;

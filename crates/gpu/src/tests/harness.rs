@@ -16,7 +16,7 @@ use crate::{
 
 /// The best adapter's device, shared by all tests of the process.
 pub(super) static GPU: LazyLock<Arc<Gpu>> = LazyLock::new(|| {
-    Gpu::new(&AdapterChoice::Best).expect("the tests need a Vulkan driver: `cargo xtask test` installs one")
+    Gpu::new(&AdapterChoice::Best).expect("the tests need a Vulkan driver: `cargo xtask setup` installs one")
 });
 
 /// A device that binds no storage buffer of more bytes than these.

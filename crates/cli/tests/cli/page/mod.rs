@@ -12,12 +12,10 @@ use std::{
 
 use tempfile::TempDir;
 
-use crate::{browser::Visit, run::succeed};
+use self::browser::Visit;
+use crate::run::succeed;
 
 mod browser;
-#[path = "../cli/run.rs"]
-#[expect(dead_code, reason = "shared with the tests of the command line, which read reports as well")]
-mod run;
 
 /// The pages, made once for all tests.
 struct Pages {
