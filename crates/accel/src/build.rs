@@ -54,7 +54,7 @@ impl Bounds {
         Self { lower: self.lower.min(point), upper: self.upper.max(point) }
     }
 
-    /// Half the surface.
+    /// Half the surface area of the box.
     #[inline(always)]
     fn half_area(self) -> f32 {
         let size = self.upper - self.lower;
@@ -236,7 +236,7 @@ struct Job {
 struct Grower<'a> {
     rules: Rules,
     refs: &'a mut [Ref],
-    /// As long as `refs`.
+    /// Scratch memory for partitioning, as long as `refs`.
     spare: &'a mut [Ref],
     nodes: Vec<Node>,
     leaves: Vec<Range<usize>>,

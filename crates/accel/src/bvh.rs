@@ -40,7 +40,7 @@ struct Kept {
     node_count: usize,
     block_count: usize,
     part: Option<Part>,
-    /// See [`PackedTree::kept_id`].
+    /// Changes with the part: [`PackedTree::kept_id`].
     id: u64,
 }
 
@@ -195,7 +195,7 @@ impl Bvh {
     }
 }
 
-/// For tests that damage a tree.
+/// Access for tests that damage a tree and look whether validation finds it.
 #[cfg(test)]
 impl Bvh {
     pub(crate) fn nodes_mut(&mut self) -> &mut [Node] {

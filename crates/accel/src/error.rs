@@ -13,7 +13,7 @@ pub enum AccelError {
         "node {node}, child {lane}: reference {child:#x} is out of range or shared; build the tree again"
     )]
     BrokenLink {
-        /// The parent.
+        /// Index of the parent node.
         node: u32,
         /// Which of its eight children.
         lane: usize,
@@ -23,7 +23,7 @@ pub enum AccelError {
     /// A child's box is not a box (NaN, or its lower bound above its upper bound), or does not contain what lies below it.
     #[error("node {node}, child {lane}: its box does not contain what lies below it; build the tree again")]
     BrokenBox {
-        /// The parent.
+        /// Index of the parent node.
         node: u32,
         /// Which of its eight children.
         lane: usize,
@@ -31,7 +31,7 @@ pub enum AccelError {
     /// A leaf holds other vertices than the triangle it names, or names none of them.
     #[error("leaf {leaf}: triangle {triangle} is not the one given; rebuild after triangles move")]
     StaleTriangle {
-        /// The leaf block.
+        /// Index of the leaf block.
         leaf: u32,
         /// The triangle it names.
         triangle: u32,
@@ -39,7 +39,7 @@ pub enum AccelError {
     /// A triangle is in no leaf or in more than one.
     #[error("triangle {triangle} is in {leaves} leaves instead of one; build the tree again")]
     LostTriangle {
-        /// The triangle.
+        /// Index of the triangle in the slice that the tree was built from.
         triangle: u32,
         /// How many leaves hold it.
         leaves: u32,
@@ -47,9 +47,9 @@ pub enum AccelError {
     /// The tree is deeper than the traversal stack allows.
     #[error("the tree is {depth} levels deep, the traversal stack allows {limit}; build the tree again")]
     TooDeep {
-        /// Levels found.
+        /// Levels of nodes that the tree has.
         depth: u32,
-        /// Levels allowed.
+        /// Levels of nodes that a traversal allows.
         limit: u32,
     },
 }

@@ -12,8 +12,8 @@ use crate::traverse::Slabs;
 ///   children), then `children: [u32; 8]`.
 /// * A block, [`PackedTree::BLOCK_BYTES`]: `vertices: [[[f32; 8]; 3]; 3]` (by axis, vertex and lane), then
 ///   `triangles: [u32; 8]`. Unused lanes come last and hold NaN and [`PackedTree::NONE`].
-/// * A reference to a child: [`PackedTree::NONE`] in unused lanes (not always the last), the place of a block with the bit
-///   [`PackedTree::BLOCK`], else the place of a node.
+/// * A reference to a child: [`PackedTree::NONE`] in unused lanes (not always the last), the index of a block with the bit
+///   [`PackedTree::BLOCK`], else the index of a node.
 ///
 /// The first [`PackedTree::kept_nodes`] and [`PackedTree::kept_blocks`] bytes are the part that
 /// [`crate::Bvh::rebuild_after`] keeps: they are the same in all trees of the same [`PackedTree::kept_id`].
@@ -21,7 +21,7 @@ use crate::traverse::Slabs;
 pub struct PackedTree<'a> {
     /// The nodes; some are no longer reached from the root.
     pub nodes: &'a [u8],
-    /// The blocks.
+    /// The leaf blocks, as bytes.
     pub blocks: &'a [u8],
     /// Reference to the root, [`PackedTree::NONE`] without triangles.
     pub root: u32,
@@ -56,7 +56,7 @@ impl PackedTree<'_> {
     pub const LEAST_SPEED: f32 = LEAST_SPEED;
     /// How far boxes are widened, relative to the sum of their largest distance along an axis and along all axes.
     pub const PADDING: f32 = Slabs::PADDING;
-    /// The same, relative to the ray's origin.
+    /// How far boxes are widened, relative to the ray's origin.
     pub const ORIGIN_PADDING: f32 = Slabs::ORIGIN_PADDING;
     /// Relative slack of box distances.
     pub const SLACK: f32 = Slabs::SLACK;

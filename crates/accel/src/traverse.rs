@@ -177,7 +177,7 @@ impl Slabs {
 struct Shear {
     /// Original axes that become x, y and z.
     axes: [usize; 3],
-    /// Origin, permuted.
+    /// The ray's origin with its axes permuted.
     origin: [f32; 3],
     /// Direction's x and y per z, and 1 per z.
     slope: [f32; 3],

@@ -9,7 +9,7 @@ use crate::node::{Block, Child, Node};
 pub(crate) struct Tree<'a> {
     pub(crate) nodes: &'a [Node],
     pub(crate) blocks: &'a [Block],
-    /// None without triangles.
+    /// The node or leaf that holds all others; none without triangles.
     pub(crate) root: Option<Child>,
     pub(crate) lower: Vec3A,
     pub(crate) upper: Vec3A,

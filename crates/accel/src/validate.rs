@@ -15,7 +15,7 @@ pub struct Stats {
     pub node_count: u32,
     /// Leaf blocks of up to eight triangles.
     pub leaf_count: u32,
-    /// Triangles in them.
+    /// Triangles in the leaf blocks.
     pub triangle_count: u32,
     /// Levels of nodes; 0 for a tree that is a single leaf.
     pub depth: u32,
@@ -25,7 +25,7 @@ pub struct Stats {
     pub bytes: usize,
 }
 
-/// See [`crate::Bvh::validate`].
+/// The measures of a sound tree, or its first fault: what [`crate::Bvh::validate`] promises.
 pub(crate) fn validate(tree: Tree<'_>, triangles: &[[Vec3; 3]]) -> Result<Stats, AccelError> {
     let mut walk = Walk {
         tree,

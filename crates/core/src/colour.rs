@@ -52,13 +52,13 @@ impl Premul {
 }
 
 impl Straight {
-    /// An opaque colour.
+    /// A colour with an alpha of 1.
     #[must_use]
     pub fn opaque(rgb: Vec3) -> Self {
         Self { rgb, alpha: 1.0 }
     }
 
-    /// Multiplies by alpha.
+    /// The same colour with its `rgb` multiplied by `alpha`.
     #[must_use]
     pub fn to_premul(self) -> Premul {
         Premul { rgb: self.rgb * self.alpha, alpha: self.alpha }

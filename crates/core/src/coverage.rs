@@ -10,7 +10,7 @@ pub struct Correction {
 impl Correction {
     /// Coverage is opacity, to the bit.
     pub const NONE: Self = Self { coefficients: [0.0, 1.0, 0.0, 0.0] };
-    /// For upscalers that suppress flicker, fitted to DLSS and used for FSR as well (STD Eq. 5).
+    /// The correction for upscalers that suppress flicker, fitted to DLSS and used for FSR as well (STD Eq. 5).
     pub const DLSS: Self = Self { coefficients: [0.0113, 1.656, -0.821, 0.156] };
 
     /// The correction with the coefficients `c0` to `c3`; `None` if one is not finite.
@@ -52,7 +52,7 @@ impl Correction {
         Self::new(std::array::from_fn(|at| (rows[at][4] / rows[at][at]) as f32))
     }
 
-    /// `c0` to `c3`.
+    /// The coefficients `c0` to `c3`.
     #[must_use]
     pub fn coefficients(&self) -> [f32; 4] {
         self.coefficients

@@ -127,16 +127,15 @@ pub fn fnv1a(bytes: impl IntoIterator<Item = u8>) -> u64 {
     hash.value()
 }
 
-/// Numbers of [`mcguire2`] as the listing has them: how much the sines are blown up, factors of x and y in the first sine, of y in the
-/// second, and the least weight of the first.
+/// How much [`mcguire2`] blows up its sines, as the listing has it.
 pub const MCGUIRE_GAIN: f32 = 1.0e4;
-/// See [`MCGUIRE_GAIN`].
+/// Factor of x in the first sine of [`mcguire2`].
 pub const MCGUIRE_X: f32 = 17.0;
-/// See [`MCGUIRE_GAIN`].
+/// Factor of y in the first sine of [`mcguire2`].
 pub const MCGUIRE_Y: f32 = 0.1;
-/// See [`MCGUIRE_GAIN`].
+/// Factor of y in the second sine of [`mcguire2`].
 pub const MCGUIRE_Y_OF_WEIGHT: f32 = 13.0;
-/// See [`MCGUIRE_GAIN`].
+/// Least weight of the first sine of [`mcguire2`].
 pub const MCGUIRE_LEAST: f32 = 0.1;
 
 /// McGuire's hash of two numbers to [0, 1) (*The Graphics Codex* 2.13; STD appendix, Listing 6 `hash`).

@@ -1,5 +1,6 @@
 //! Words every Sheer crate speaks: colour, hashes, threshold maps, masks, blue noise.
 
+pub mod bibliography;
 pub mod blue_noise;
 pub mod colour;
 pub mod coverage;

@@ -84,7 +84,7 @@ impl MaskTable {
                 if start == 0 {
                     shuffle(&mut order, &mut random);
                 }
-                let run = (start..start + size).map(|place| 1 << order[(place % samples) as usize]);
+                let run = (start..start + size).map(|index| 1 << order[(index % samples) as usize]);
                 masks.push(run.fold(0, |mask, bit: u64| mask | bit));
             }
         }
@@ -109,7 +109,7 @@ impl MaskTable {
     }
 }
 
-/// Fisher and Yates.
+/// Shuffles in place, every order equally likely: the algorithm of Fisher and Yates.
 fn shuffle(order: &mut [u32], random: &mut Pcg32) {
     for last in (1..order.len()).rev() {
         order.swap(last, random.below(last as u32 + 1) as usize);
@@ -119,7 +119,7 @@ fn shuffle(order: &mut [u32], random: &mut Pcg32) {
 /// Columns and rows of pixels after which the curve of [`along_curve`] starts anew.
 pub const CURVE_SIDE: u32 = 1024;
 
-/// The place of a pixel along a Z-curve through [`CURVE_SIDE`]² pixels, in 20 bits (Morton 1966): pixels that follow one another fill squares.
+/// The index of a pixel along a Z-curve through [`CURVE_SIDE`]² pixels, in 20 bits (Morton 1966): pixels that follow one another fill squares.
 #[must_use]
 pub const fn along_curve([x, y]: [u32; 2]) -> u32 {
     const fn spread(coordinate: u32) -> u32 {
@@ -135,14 +135,14 @@ pub const fn along_curve([x, y]: [u32; 2]) -> u32 {
 /// Multipliers of the scramble of [`stratified_threshold`], even so that a digit changes higher ones only (Laine and Karras 2011, section 3.1).
 pub const SCRAMBLE: [u32; 4] = [0x6c50_b47c, 0xb82f_1e52, 0xc7af_e638, 0x8d22_f6e6];
 
-/// The threshold, as a fraction of 2³², of the sample with a place along a curve through all samples of all pixels (Laine and Karras 2011,
+/// The threshold, as a fraction of 2³², of the sample with an index along a curve through all samples of all pixels (Laine and Karras 2011,
 /// section 3.1): among any 2^k samples that follow one another from a multiple of 2^k, each 2^k-th of the range from 0 to 1 has one.
 ///
-/// The mirrored place is scrambled by operations in which lower bits change higher ones only, so that each digit of the threshold is flipped
-/// by all places above it on the curve. `surface` should be random: another one gives independent thresholds.
+/// The mirrored index is scrambled by operations in which lower bits change higher ones only, so that each digit of the threshold is flipped
+/// by all digits above it in the index. `surface` should be random: another one gives independent thresholds.
 #[must_use]
-pub const fn stratified_threshold(place: u32, surface: u32) -> u32 {
-    let mut x = place.reverse_bits().wrapping_add(surface);
+pub const fn stratified_threshold(index: u32, surface: u32) -> u32 {
+    let mut x = index.reverse_bits().wrapping_add(surface);
     x ^= x.wrapping_mul(SCRAMBLE[0]);
     x ^= x.wrapping_mul(SCRAMBLE[1]);
     x ^= x.wrapping_mul(SCRAMBLE[2]);

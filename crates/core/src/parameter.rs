@@ -1,4 +1,4 @@
-//! `name:key=value,key=value`: how scenes and methods are asked for on the command line.
+//! `name:key=value,key=value`: how scenes, methods and techniques are asked for on the command line.
 
 use std::fmt;
 
@@ -7,11 +7,11 @@ use std::fmt;
 pub struct ParameterInfo {
     /// The word before the `=`.
     pub key: &'static str,
-    /// Its value where none is given.
+    /// The value where none is given, as it would be typed.
     pub default: &'static str,
     /// What it may be.
     pub range: ParameterRange,
-    /// What it does.
+    /// A line on what it does, for help.
     pub what: &'static str,
 }
 
@@ -45,6 +45,92 @@ impl fmt::Display for ParameterRange {
             Self::Real(low, high) => write!(f, "{low:?}..={high:?}"),
             Self::Choice(words) => f.write_str(&words.join("|")),
         }
+    }
+}
+
+/// A parameter whose value is one of several words. [`choice!`](crate::choice) declares it: enum and words in one list.
+pub trait Choice: Copy + PartialEq + 'static {
+    /// All values, in the order in which they are listed and numbered in shaders.
+    const ALL: &'static [Self];
+    /// The word of each of [`Self::ALL`].
+    const WORDS: &'static [&'static str];
+
+    /// The word for a value.
+    fn word(self) -> &'static str;
+
+    /// The value that a word stands for, if it stands for any.
+    fn from_word(word: &str) -> Option<Self> {
+        Self::ALL.iter().copied().find(|value| value.word() == word)
+    }
+}
+
+/// Declares a [`Choice`]: the enum, and with it the words on the command line, in help and in shaders. Its function
+/// `parameter` makes the key that takes it.
+///
+/// ```
+/// use sheer_core::parameter::{ParameterInfo, Values};
+///
+/// sheer_core::choice! {
+///     /// Whose noise.
+///     enum Noise {
+///         /// That of the pixel.
+///         Shared = "shared",
+///         /// None at all.
+///         Off = "off",
+///     }
+/// }
+/// const NOISE: ParameterInfo = Noise::parameter("noise", Noise::Shared, "whose noise thresholds have");
+///
+/// let values = Values::parse(&[NOISE], "noise=off")?;
+/// assert_eq!(values.choice::<Noise>("noise"), Noise::Off);
+/// # Ok::<(), String>(())
+/// ```
+#[macro_export]
+macro_rules! choice {
+    (
+        $(#[$about:meta])*
+        $visibility:vis enum $name:ident { $($(#[$what:meta])* $value:ident = $word:literal),+ $(,)? }
+    ) => {
+        $(#[$about])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        $visibility enum $name {
+            $($(#[$what])* $value,)+
+        }
+
+        impl $name {
+            /// The key that takes one of its words, with a default.
+            #[must_use]
+            $visibility const fn parameter(
+                key: &'static str,
+                default: Self,
+                what: &'static str,
+            ) -> $crate::parameter::ParameterInfo {
+                let words = <Self as $crate::parameter::Choice>::WORDS;
+                let range = $crate::parameter::ParameterRange::Choice(words);
+                $crate::parameter::ParameterInfo { key, default: words[default as usize], range, what }
+            }
+        }
+
+        impl $crate::parameter::Choice for $name {
+            const ALL: &'static [Self] = &[$(Self::$value),+];
+            const WORDS: &'static [&'static str] = &[$($word),+];
+
+            fn word(self) -> &'static str {
+                match self {
+                    $(Self::$value => $word,)+
+                }
+            }
+        }
+    };
+}
+
+choice! {
+    /// What is turned on or off.
+    pub enum Switch {
+        /// What the key names is done.
+        On = "on",
+        /// What the key names is left out.
+        Off = "off",
     }
 }
 
@@ -132,6 +218,15 @@ impl Values {
     #[must_use]
     pub fn real(&self, key: &str) -> f32 {
         self.text(key).parse().expect("checked against its range")
+    }
+
+    /// One of several words.
+    ///
+    /// # Panics
+    /// If the key is not known or takes other words than the choice has.
+    #[must_use]
+    pub fn choice<C: Choice>(&self, key: &str) -> C {
+        C::from_word(self.text(key)).expect("the key takes the words of the choice")
     }
 }
 

@@ -8,7 +8,7 @@
 
 use crate::hash::Pcg32;
 
-/// The energy of a pixel at its own place.
+/// The energy of a pixel at its own position.
 const ENERGY_ONE: f64 = (1_u32 << 24) as f64;
 
 /// Flag of a set pixel beside its energy: all of a full mask must stay below it.
@@ -17,7 +17,7 @@ const SET: u32 = 1 << 31;
 /// Size of a torus, pixels and frames; each a power of two.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Torus {
-    /// Columns and rows.
+    /// Columns and rows of a plane.
     pub side: u32,
     /// Frames; 1 for a mask without time.
     pub depth: u32,
@@ -30,7 +30,7 @@ impl Torus {
 }
 
 /// Ranks all pixels, frame by frame, row by row. `crowding` gives, for a step in x, y and time of at most
-/// `reach` each, how much two pixels so far apart crowd one another: 1 at their own place, 0 for no matter.
+/// `reach` each, how much two pixels so far apart crowd one another: 1 at the same position, 0 where they do not matter.
 /// Over all steps it sums up to less than 128.
 pub(crate) fn rank_all(
     torus: Torus,

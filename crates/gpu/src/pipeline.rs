@@ -5,8 +5,7 @@ use std::{sync::Arc, time::Instant};
 use sheer_image::Planes;
 use sheer_render::{
     Antialiasing, Clock, Counters, Method, Settings, StepTime, Timings,
-    contract::{Alignment, Hybrid},
-    method::stbn,
+    contract::{Alignment, Hybrid, Raster},
     temporal::jitter,
 };
 use wgpu::{BufferUsages, util::DeviceExt};
@@ -18,7 +17,7 @@ use crate::{
     frame::{FrameParameters, FrameUniform},
     layouts::Layouts,
     pixels::{PIXEL_BYTES, read_planes},
-    raster::{RasterPath, stochastic::Sampling},
+    raster::{RasterPath, multisample::Sampling, plan::raster_of},
     ray::{RayPath, Search},
     recording::{Groups, Recording},
     resource::buffer::{buffer, pixel_buffer},
@@ -314,10 +313,11 @@ impl Resources {
         let counters_read = buffer(&device, "counters read", COUNTER_BYTES, read);
         let usage = BufferUsages::UNIFORM | BufferUsages::COPY_DST;
         let frame = buffer(&device, "frame", size_of::<FrameUniform>() as u64, usage);
-        let table_words = Tables::new(
-            method.info().id == stbn::INFO.id,
-            Sampling::of(method, gpu.report())?.map_or([0; 2], Sampling::table_sizes),
-        );
+        let mask_sizes = match raster_of(method)? {
+            Some(Raster::Multisample(multisample)) => Sampling::new(multisample, gpu.report())?.table_sizes(),
+            Some(Raster::Lists | Raster::Passes(_)) | None => [0; 2],
+        };
+        let table_words = Tables::new(method.info().tables, mask_sizes);
         let tables = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
             label: Some("tables"),
             contents: bytemuck::cast_slice(&table_words.words),

@@ -2,7 +2,7 @@
 
 use sheer_render::{
     Method,
-    contract::{Compositing, Gathering, Hybrid, Selection, Threshold, Visitor},
+    contract::{Hybrid, OrderedCompositing, Selection, Threshold, Traversal, UnorderedCompositing, Visitor},
 };
 
 use crate::{
@@ -43,13 +43,18 @@ impl Visitor for SearchOf<'_> {
         Some(Search { find: "pass/find_selection", hybrid: self.0.hybrid(), layer_capacity: LAYER_CAPACITY })
     }
 
-    fn compositing(self, method: &impl Compositing) -> Option<Search> {
-        let layer_capacity = match method.gathering() {
-            Gathering::Sorted => LAYER_CAPACITY,
-            Gathering::Continuation => 1,
-            Gathering::Unordered { .. } => return None,
+    /// Nothing but the exact search stands for an ordered method; its fragments could be handed to none other.
+    fn ordered(self, method: &impl OrderedCompositing) -> Option<Search> {
+        let layer_capacity = match method.traversal() {
+            Traversal::Sorted => LAYER_CAPACITY,
+            Traversal::Continuation => 1,
         };
-        Some(Search { find: "pass/find_nothing", hybrid: Hybrid::EXACT, layer_capacity })
+        let exact = Search { find: "pass/find_nothing", hybrid: Hybrid::EXACT, layer_capacity };
+        method.is_exact().then_some(exact)
+    }
+
+    fn unordered(self, _: &impl UnorderedCompositing) -> Option<Search> {
+        None
     }
 }
 

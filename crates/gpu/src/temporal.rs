@@ -17,6 +17,8 @@ use crate::{
     timing::Timer,
 };
 
+/// The piece that adds a frame up; it imports the technique's own as `technique`.
+const PIECE: &str = "pass/resolve";
 /// What the time of adding up counts as.
 pub(crate) const STEP: &str = "temporal";
 
@@ -37,7 +39,6 @@ struct Uniform {
 #[derive(Debug)]
 pub(crate) struct History {
     size: [u32; 2],
-    antialiasing: Antialiasing,
     /// How many frames were taken in.
     count: u32,
     layout: wgpu::BindGroupLayout,
@@ -69,15 +70,10 @@ impl History {
         let uniform_entry = buffer_entry(0, ShaderStages::COMPUTE, BufferBindingType::Uniform);
         let entries = [uniform_entry, list(1, true), list(2, true), list(3, false)];
         let layout = layout(&device, "temporal", &entries);
-        let (piece, entry_point) = match antialiasing {
-            // Without adding up, the mean of one frame.
-            Antialiasing::None | Antialiasing::Accumulate => ("pass/accumulate", "cs_accumulate"),
-            Antialiasing::Taa => ("pass/taa", "cs_taa"),
-        };
-        let module = gpu.shader(piece, Linker::new().link(piece)?)?;
-        let pipeline = compute_pipeline(&device, "temporal", &[&layout], &module, entry_point);
+        let module = gpu.shader(PIECE, Linker::new().antialiasing(&antialiasing).link(PIECE)?)?;
+        let pipeline = compute_pipeline(&device, "temporal", &[&layout], &module, "cs_resolve");
         gpu.check("the history")?;
-        Ok(Self { size: [width, height], antialiasing, count: 0, layout, pipeline, uniform, colours })
+        Ok(Self { size: [width, height], count: 0, layout, pipeline, uniform, colours })
     }
 
     /// Records that the next frame is taken in. One frame a submission: its settings are written before it begins.
@@ -92,7 +88,7 @@ impl History {
         alignment: Alignment,
         [frame, seed]: [u32; 2],
     ) {
-        let count = if self.antialiasing == Antialiasing::None { 0 } else { self.count };
+        let count = self.count;
         let Alignment { side_px: alignment_px, rule } = alignment;
         let alignment_rule = rule as u32;
         let uniform =
@@ -128,8 +124,13 @@ impl History {
 mod tests {
     use glam::Vec2;
     use sheer_core::hash::Pcg32;
+    use sheer_core::parameter::Choice as _;
     use sheer_image::{Image, Pixel, Planes};
-    use sheer_render::{FrameSettings, Settings, contract::AlignmentRule, temporal::History as CpuHistory};
+    use sheer_render::{
+        FrameSettings, Settings,
+        contract::AlignmentRule,
+        temporal::{ANTIALIASINGS, History as CpuHistory},
+    };
     use wgpu::util::DeviceExt as _;
 
     use super::*;
@@ -244,8 +245,9 @@ mod tests {
     fn frames_add_up_to_the_same_picture_as_on_the_processor() {
         let gpu = Gpu::new(&AdapterChoice::Best).unwrap();
         let frames = frames();
-        for antialiasing in Antialiasing::ALL {
-            for rule in AlignmentRule::ALL {
+        for info in ANTIALIASINGS {
+            let antialiasing: Antialiasing = info.id.parse().unwrap();
+            for &rule in AlignmentRule::ALL {
                 let alignment = Alignment { side_px: 3, rule };
                 for count in [1, 2, 12] {
                     let device = on_device(&gpu, antialiasing, &frames[..count], alignment, SEED);
@@ -263,13 +265,13 @@ mod tests {
     fn the_comparison_finds_another_seed_and_another_rule() {
         let gpu = Gpu::new(&AdapterChoice::Best).unwrap();
         let frames = frames();
-        for rule in AlignmentRule::ALL {
-            let processor = on_processor(Antialiasing::Taa, &frames, Alignment { side_px: 3, rule });
-            let others = AlignmentRule::ALL.into_iter().filter(|other| *other != rule);
+        for &rule in AlignmentRule::ALL {
+            let processor = on_processor(Antialiasing::TAA, &frames, Alignment { side_px: 3, rule });
+            let others = AlignmentRule::ALL.iter().copied().filter(|other| *other != rule);
             let reseeded = (rule == AlignmentRule::Random).then_some((rule, SEED + 1));
             for (wrong, seed) in others.map(|other| (other, SEED)).chain(reseeded) {
                 let alignment = Alignment { side_px: 3, rule: wrong };
-                let device = on_device(&gpu, Antialiasing::Taa, &frames, alignment, seed);
+                let device = on_device(&gpu, Antialiasing::TAA, &frames, alignment, seed);
                 let difference = largest_difference(&device, &processor);
                 assert!(difference > 100.0 * ROUNDING, "{rule:?} against {wrong:?}: {difference}");
             }

@@ -28,7 +28,7 @@ fn five_hundred_frames_of_moving_geometry_take_no_more_memory_than_a_hundred() {
     let mut stage = GpuStage::new(&gpu, scene, &CameraChoice::Default, None).unwrap();
     let settings = Settings { size: [64, 36], ..Settings::default() };
     let mut pipeline =
-        GpuPipeline::new(&gpu, GpuPathChoice::Automatic, "std".parse().unwrap(), Antialiasing::Taa, settings)
+        GpuPipeline::new(&gpu, GpuPathChoice::Automatic, "std".parse().unwrap(), Antialiasing::TAA, settings)
             .unwrap();
     let mut after_hundred = (0, 0);
     for index in 0..500 {

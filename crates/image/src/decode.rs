@@ -27,7 +27,7 @@ const FORMATS: &str = "PNG, JPEG or WebP";
 
 /// Decodes a PNG, JPEG or WebP to 8-bit RGBA with straight alpha, in the colour space of the file; the first
 /// picture of an animation. 16-bit channels are rounded to 8 bits, missing alpha is opaque. The format is
-/// told by the bytes. `name` says in messages what the bytes are, such as a file name.
+/// recognised by its bytes. `name` says in messages what the bytes are, such as a file name.
 ///
 /// # Errors
 /// [`ImageError::TooLarge`] before anything large is allocated, [`ImageError::TooMuchMemory`], or

@@ -23,7 +23,7 @@ pub enum ImageError {
         width: u32,
         /// Height, in pixels.
         height: u32,
-        /// Pixels given.
+        /// Length of the pixel list.
         found: usize,
     },
     /// Two images that belong together differ in size.
@@ -42,7 +42,7 @@ pub enum ImageError {
     /// The folder of an output file does not exist.
     #[error("cannot write {}: the folder {} does not exist, create it first", path.display(), folder.display())]
     MissingFolder {
-        /// The output file.
+        /// The file that was to be written.
         path: PathBuf,
         /// The folder that is missing.
         folder: PathBuf,
@@ -50,7 +50,7 @@ pub enum ImageError {
     /// An output file would replace a folder.
     #[error("cannot write {}: this is a folder, name a file in it", path.display())]
     IsFolder {
-        /// The folder.
+        /// The folder that stands where a file was to be written.
         path: PathBuf,
     },
     /// A file name whose ending says nothing about its format.
@@ -62,7 +62,7 @@ pub enum ImageError {
     /// The system refused to write.
     #[error("cannot write {}: {source}; check permissions and free space", path.display())]
     Write {
-        /// The output file.
+        /// The file that was to be written.
         path: PathBuf,
         /// What the system said.
         source: std::io::Error,
@@ -70,7 +70,7 @@ pub enum ImageError {
     /// The system refused to read.
     #[error("cannot read {}: {source}; check the name and permissions", path.display())]
     Read {
-        /// The input file.
+        /// The file that was to be read.
         path: PathBuf,
         /// What the system said.
         source: std::io::Error,
@@ -80,7 +80,7 @@ pub enum ImageError {
         "metadata key {key:?} cannot be stored: use 1 to 60 ASCII letters, digits, '.', '-' and '_', and a text without NUL"
     )]
     MetadataKey {
-        /// The key.
+        /// The key as it was given.
         key: String,
     },
     /// An encoder refused the image.

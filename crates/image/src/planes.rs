@@ -57,17 +57,17 @@ pub struct Band<'a> {
     pub y: u32,
     /// Pixels in a row.
     pub width: u32,
-    /// See [`Planes::colour`].
+    /// The rows of [`Planes::colour`].
     pub colour: &'a mut [[f32; 4]],
-    /// See [`Planes::depth`].
+    /// The rows of [`Planes::depth`].
     pub depth: &'a mut [f32],
-    /// See [`Planes::motion`].
+    /// The rows of [`Planes::motion`].
     pub motion: &'a mut [[f32; 2]],
-    /// See [`Planes::instance`].
+    /// The rows of [`Planes::instance`].
     pub instance: &'a mut [u32],
-    /// See [`Planes::primitive`].
+    /// The rows of [`Planes::primitive`].
     pub primitive: &'a mut [u32],
-    /// See [`Planes::transparent`].
+    /// The rows of [`Planes::transparent`].
     pub transparent: &'a mut [bool],
 }
 
@@ -113,13 +113,13 @@ impl Planes {
         })
     }
 
-    /// Width in pixels.
+    /// Width of all planes, pixels.
     #[must_use]
     pub fn width(&self) -> u32 {
         self.colour.width()
     }
 
-    /// Height in pixels.
+    /// Height of all planes, pixels.
     #[must_use]
     pub fn height(&self) -> u32 {
         self.colour.height()

@@ -158,7 +158,7 @@ impl Clip {
     fn frames_per_sec(&self) -> f32 {
         // Frames that are added up at one moment are shown as fast as those that move.
         let moment =
-            Clock::new(&Settings { start_secs: 0.0, first_frame: 0, ..self.settings }, Antialiasing::Taa)
+            Clock::new(&Settings { start_secs: 0.0, first_frame: 0, ..self.settings }, Antialiasing::TAA)
                 .at(1);
         1.0 / (moment.time_secs - moment.previous_secs)
     }

@@ -22,7 +22,7 @@ pub fn measure_cost<B: Backend>(
     progress: &dyn Progress,
 ) -> Result<Vec<Tally>> {
     // The cost of adding frames up is no part of a frame's time (STD section 4), so they are not added up.
-    let mut pipelines = pipelines(backend, methods, Antialiasing::None, settings)?;
+    let mut pipelines = pipelines(backend, methods, Antialiasing::NONE, settings)?;
     pipelines.iter().flat_map(|pipeline| backend.notes(pipeline)).for_each(|note| progress.warn(note));
     progress.expect(u64::from(timeline.frames() + u32::from(warms_up)) * methods.len() as u64);
     let mut tallies = vec![Tally::default(); methods.len()];

@@ -11,7 +11,7 @@
 //! let mut stage = Stage::new(scene, &Default::default(), None)?;
 //! let clip = Clip {
 //!     settings: Settings { size: [16, 9], ..Default::default() },
-//!     antialiasing: Antialiasing::Taa,
+//!     antialiasing: Antialiasing::TAA,
 //!     frame_count: 4,
 //!     keeps_frames: false,
 //! };

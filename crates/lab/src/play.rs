@@ -140,10 +140,10 @@ mod tests {
         let mut stage = Stage::new(scene, &Default::default(), Some(1)).unwrap();
         let settings = Settings { size: [4, 2], ..Settings::default() };
         let methods = ["std", "roulette"].map(|name| name.parse::<Method>().unwrap());
-        let mut both = pipelines(&Cpu, &methods, Antialiasing::None, settings).unwrap();
+        let mut both = pipelines(&Cpu, &methods, Antialiasing::NONE, settings).unwrap();
         let mut order = Vec::new();
         let mut frames = Vec::new();
-        play(&Cpu, &mut stage, &mut both, Timeline::of(&settings, Antialiasing::None, 3), |event| {
+        play(&Cpu, &mut stage, &mut both, Timeline::of(&settings, Antialiasing::NONE, 3), |event| {
             match event {
                 Event::Rendered { at, .. } => order.push(at),
                 Event::Frame { index, pipelines } => frames.push((index, pipelines.len())),
@@ -162,7 +162,7 @@ mod tests {
         let settings = Settings { size: [4, 2], ..Settings::default() };
         let method = "std".parse::<Method>().unwrap();
         let mut corner = |timeline: Timeline<'_>| {
-            let mut one = pipelines(&Cpu, [&method], Antialiasing::None, settings).unwrap();
+            let mut one = pipelines(&Cpu, [&method], Antialiasing::NONE, settings).unwrap();
             play(&Cpu, &mut stage, &mut one, timeline, |_| Ok(())).unwrap();
             stage.frame().triangles()[stage.frame().static_count()]
         };

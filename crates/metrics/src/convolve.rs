@@ -99,7 +99,7 @@ fn add_scaled(target: &mut [f32], source: &[f32], factor: f32) {
     target.iter_mut().zip(source).for_each(|(target, source)| *target += factor * source);
 }
 
-/// What makes up for the taps that are cut off at place `at` of `size`.
+/// What makes up for the taps that are cut off at index `at` of `size`.
 fn scale_at(at: usize, size: usize, taps: &[f32], border: Border) -> f32 {
     let radius = taps.len() / 2;
     if border == Border::Repeat || (at >= radius && at + radius < size) {

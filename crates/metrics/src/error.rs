@@ -22,9 +22,9 @@ pub enum MetricError {
         "cannot compare {images} frames with {references} reference frames: give as many of both, at least one"
     )]
     FramesDiffer {
-        /// Reference frames given.
+        /// Frames of the reference clip.
         references: usize,
-        /// Frames given.
+        /// Frames of the clip that is compared.
         images: usize,
     },
     /// ColorVideoVDP has no answer.

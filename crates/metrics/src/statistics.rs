@@ -25,13 +25,13 @@ impl Moments {
         self.count
     }
 
-    /// Their mean, 0 without any.
+    /// The mean of the values, 0 without any.
     #[must_use]
     pub fn mean(&self) -> f64 {
         self.mean
     }
 
-    /// Their sample variance, 0 for less than two.
+    /// The sample variance of the values, 0 for less than two.
     #[must_use]
     pub fn variance(&self) -> f64 {
         if self.count > 1 { self.squares / (self.count - 1) as f64 } else { 0.0 }
@@ -138,9 +138,9 @@ pub fn quantile(values: &[f64], share: f64) -> f64 {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
     let Some(last) = sorted.len().checked_sub(1) else { return f64::NAN };
-    let place = share.clamp(0.0, 1.0) * last as f64;
-    let (below, above) = (sorted[place.floor() as usize], sorted[place.ceil() as usize]);
-    below + (above - below) * place.fract()
+    let rank = share.clamp(0.0, 1.0) * last as f64;
+    let (below, above) = (sorted[rank.floor() as usize], sorted[rank.ceil() as usize]);
+    below + (above - below) * rank.fract()
 }
 
 /// The regularised upper incomplete gamma function Q(a, x) for a = `twice_a` / 2 (DLMF section 8.2).

@@ -14,13 +14,13 @@ pub struct Clock {
 }
 
 impl Clock {
-    /// The clock of a run: it stands still for plain accumulation, which adds up one moment.
+    /// The clock of a run: it stands still for anti-aliasing that adds up one moment.
     #[must_use]
     pub fn new(settings: &Settings, antialiasing: Antialiasing) -> Self {
         Self {
             start_secs: settings.start_secs,
             first_frame: settings.first_frame,
-            stands: antialiasing == Antialiasing::Accumulate,
+            stands: antialiasing.info().time_stands_still,
         }
     }
 

@@ -9,9 +9,9 @@ pub struct Counters {
     pub shadow_rays: u64,
     /// Hits of camera rays that were tested or composited.
     pub hits: u64,
-    /// Fragments shaded.
+    /// How many fragments were shaded, which is the costly part.
     pub shaded: u64,
-    /// Fragments that bounded memory had no place for, so that they were merged with others; of a hybrid, pixels whose exact fragments
+    /// Fragments that bounded memory had no room for, so that they were merged with others; of a hybrid, pixels whose exact fragments
     /// ran out before the visibility had fallen, so that one draw stands for more than it should.
     pub merged: u64,
 }

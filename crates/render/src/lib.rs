@@ -9,7 +9,7 @@
 //! let scene = sheer_gallery::open("layers:count=2,alpha=0.5")?.scene;
 //! let mut stage = Stage::new(scene, &Default::default(), None)?;
 //! let settings = Settings { size: [8, 4], ..Default::default() };
-//! let mut pipeline = Pipeline::new("std".parse()?, Antialiasing::Accumulate, settings)?;
+//! let mut pipeline = Pipeline::new("std".parse()?, Antialiasing::ACCUMULATE, settings)?;
 //! for index in 0..9 {
 //!     stage.advance(pipeline.clock().at(index));
 //!     pipeline.render(&stage, index)?;

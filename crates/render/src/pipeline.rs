@@ -7,7 +7,7 @@ use sheer_image::Planes;
 use crate::{
     clock::Clock,
     cost::{Counters, StepTime, Timings},
-    cpu,
+    cpu::Transparency,
     error::RenderError,
     method::Method,
     settings::{FrameSettings, Settings},
@@ -15,21 +15,31 @@ use crate::{
     temporal::{Antialiasing, History, jitter},
 };
 
-/// A method and its accumulated history.
+/// A method and its accumulated history. `M`: a [`Method`], or one of the caller's own.
 #[derive(Clone, Debug)]
-pub struct Pipeline {
-    method: Method,
+pub struct Pipeline<M = Method> {
+    method: M,
     settings: Settings,
     history: History,
     steps: Vec<StepTime>,
 }
 
 impl Pipeline {
-    /// Nothing rendered yet.
+    /// Renders with a method of the table; nothing rendered yet.
     ///
     /// # Errors
     /// [`RenderError::Image`] if the size is zero or too much for the memory.
     pub fn new(method: Method, antialiasing: Antialiasing, settings: Settings) -> Result<Self, RenderError> {
+        Self::with_own(method, antialiasing, settings)
+    }
+}
+
+impl<M: Transparency> Pipeline<M> {
+    /// Renders with a method of the caller's own, see [`Transparency`]; nothing rendered yet.
+    ///
+    /// # Errors
+    /// [`RenderError::Image`] if the size is zero or too much for the memory.
+    pub fn with_own(method: M, antialiasing: Antialiasing, settings: Settings) -> Result<Self, RenderError> {
         let history = History::new(antialiasing, settings.size)?;
         Ok(Self { method, settings, history, steps: Vec::new() })
     }
@@ -40,9 +50,9 @@ impl Pipeline {
         Clock::new(&self.settings, self.history.antialiasing())
     }
 
-    /// The method.
+    /// The method that frames are rendered with.
     #[must_use]
-    pub fn method(&self) -> &Method {
+    pub fn method(&self) -> &M {
         &self.method
     }
 
@@ -54,10 +64,11 @@ impl Pipeline {
         let frame = self.settings.first_frame + index;
         let jitter = jitter(self.history.antialiasing(), frame);
         let settings = FrameSettings { run: self.settings, frame, jitter };
-        let rendered = cpu::render(stage, &self.method, &settings)?;
+        let rendered = self.method.render(stage, &settings)?;
         self.steps = rendered.steps;
         let start = Instant::now();
-        stage.pool().install(|| self.history.add(rendered.planes, self.method.alignment(), &settings))?;
+        let (history, alignment) = (&mut self.history, self.method.alignment());
+        stage.pool().install(|| history.add(rendered.planes, alignment, &settings))?;
         let timings = Timings {
             build_ms: stage.build_ms(),
             trace_ms: rendered.trace_ms,

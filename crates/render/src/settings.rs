@@ -7,7 +7,7 @@ use crate::shadow::Shadow;
 /// What lies behind everything (`--background`).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Background {
-    /// The scene's environment.
+    /// The scene's environment, as sharp as it is.
     #[default]
     Environment,
     /// A constant linear colour.

@@ -12,9 +12,9 @@ use crate::error::RenderError;
 /// A point in time and the one its motion vectors point to.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Moment {
-    /// Seconds.
+    /// Time of the frame, seconds.
     pub time_secs: f32,
-    /// Seconds, of the frame before.
+    /// Time of the frame before, seconds.
     pub previous_secs: f32,
 }
 
@@ -79,7 +79,7 @@ impl Stage {
         self.build_ms
     }
 
-    /// The geometry.
+    /// Geometry, camera and lights at the moment.
     #[must_use]
     pub fn frame(&self) -> &Frame {
         self.animator.frame()
@@ -91,11 +91,12 @@ impl Stage {
         &self.bvh
     }
 
-    /// All triangles that the camera's ray through a place meets, by number, in ascending order. `place`: pixels from the upper left corner of a
+    /// All triangles that the camera's ray through a point meets, by number, in ascending order. `point_px`: pixels from the upper left corner of a
     /// picture of `size` pixels.
     #[must_use]
-    pub fn triangles_through(&self, place: Vec2, size: [u32; 2]) -> Vec<u32> {
-        let CameraRay { origin, direction } = self.frame().camera().ray(place, UVec2::from(size).as_vec2());
+    pub fn triangles_through(&self, point_px: Vec2, size: [u32; 2]) -> Vec<u32> {
+        let CameraRay { origin, direction } =
+            self.frame().camera().ray(point_px, UVec2::from(size).as_vec2());
         let ray = Ray { origin, direction, t_min: 0.0, t_max: f32::INFINITY };
         let mut triangles = Vec::new();
         self.bvh.traverse(&ray, |hit| {
@@ -110,8 +111,8 @@ impl Stage {
     /// rounding may find other hits. The pixel is given by column and row.
     #[must_use]
     pub fn is_near_edge(&self, (x, y): (u32, u32), size: [u32; 2], reach_px: f32) -> bool {
-        let place = UVec2::new(x, y).as_vec2() + 0.5;
-        let here = self.triangles_through(place, size);
+        let centre_px = UVec2::new(x, y).as_vec2() + 0.5;
+        let here = self.triangles_through(centre_px, size);
         let around = [
             [-1.0, -1.0],
             [0.0, -1.0],
@@ -125,7 +126,7 @@ impl Stage {
         around
             .map(Vec2::from)
             .into_iter()
-            .any(|offset| self.triangles_through(place + offset * reach_px, size) != here)
+            .any(|offset| self.triangles_through(centre_px + offset * reach_px, size) != here)
     }
 
     /// How many threads render.

@@ -6,7 +6,7 @@ use crate::node::{Child, WIDTH};
 /// Eight lanes of `f32`. Masks have one bit a lane, lane 0 lowest. `min` and `max` return their second
 /// operand when the first is NaN or the two are equal, as the x86 instructions do.
 pub(crate) trait Lanes: Copy {
-    /// Eight numbers.
+    /// A register of eight numbers.
     type F: Copy;
 
     fn load(self, values: &[f32; WIDTH]) -> Self::F;

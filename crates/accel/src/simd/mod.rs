@@ -24,7 +24,7 @@ use crate::tree::Tree;
 pub enum SimdPath {
     /// AVX-512 F, VL, BW and DQ on x86-64.
     Avx512,
-    /// AVX2 on x86-64.
+    /// AVX2 with BMI1 and BMI2 on x86-64.
     Avx2,
     /// No intrinsics: any processor.
     Portable,

@@ -81,12 +81,12 @@ impl Lanes for Portable {
             let lane = hits.trailing_zeros() as usize % WIDTH;
             hits &= hits - 1;
             let new = key(near[lane], lane);
-            let mut place = count;
-            while place > 0 && keys[place - 1] > new {
-                keys[place] = keys[place - 1];
-                place -= 1;
+            let mut slot = count;
+            while slot > 0 && keys[slot - 1] > new {
+                keys[slot] = keys[slot - 1];
+                slot -= 1;
             }
-            keys[place] = new;
+            keys[slot] = new;
             count += 1;
         }
         for key in &keys[..count] {

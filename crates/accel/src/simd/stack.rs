@@ -51,10 +51,10 @@ impl<'a> Stack<'a> {
         }
     }
 
-    /// Takes over `count` entries written to the reserved places.
+    /// Takes over `count` entries written to the reserved slots.
     ///
     /// # Safety
-    /// The first `count` places behind both pointers, eight at most, are written since [`Stack::reserve`].
+    /// The first `count` slots behind both pointers, eight at most, are written since [`Stack::reserve`].
     #[inline(always)]
     pub(crate) unsafe fn grow(&mut self, count: usize) {
         self.len += count;
@@ -65,7 +65,7 @@ impl<'a> Stack<'a> {
     #[inline(always)]
     pub(crate) fn push(&mut self, near: f32, child: Child) {
         let (near_slot, child_slot) = self.reserve();
-        // SAFETY: both point at a free place, which is written before it counts.
+        // SAFETY: both point at a free slot, which is written before it counts.
         unsafe {
             near_slot.write(near);
             child_slot.write(child);

@@ -34,7 +34,7 @@ fn bench<B: Backend>(arguments: &BenchArguments, backend: &B) -> anyhow::Result<
     let frame_count = arguments.frames.frames;
     let methods = without_repeats(&arguments.methods);
     let mut opened = arguments.scene.open(backend, arguments.machine, talk)?;
-    let timeline = Timeline::of(&settings, Antialiasing::None, frame_count);
+    let timeline = Timeline::of(&settings, Antialiasing::NONE, frame_count);
     let tallies = measure_cost(backend, &mut opened.stage, &methods, settings, timeline, true, &talk.bar())?;
 
     let row = |(method, tally)| BenchmarkRow::new(method, tally, &tallies[0]);

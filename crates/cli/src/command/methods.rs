@@ -1,10 +1,11 @@
-//! `sheer methods`: the transparency methods; with `--long` the shadow techniques, too.
+//! `sheer methods`: the transparency methods; with `--long` the anti-aliasing and shadow techniques, too.
 
 use sheer_core::parameter::ParameterInfo;
 use sheer_render::{
     contract::{Memory, MethodInfo},
     method::{METHODS, Method, MethodError},
     shadow::SHADOWS,
+    temporal::ANTIALIASINGS,
 };
 
 use crate::{
@@ -26,6 +27,12 @@ pub(crate) fn run(arguments: &ListArguments) -> anyhow::Result<()> {
             let remarks = vec![("bias", info.bias.to_owned())];
             described(info.id, info.title, info.paper, remarks, info.parameters)
         });
+        let antialiasing = ANTIALIASINGS.iter().map(|info| {
+            let remarks = vec![("keeps of a pixel", info.stores.to_owned())];
+            described(info.id, info.title, info.paper, remarks, info.parameters)
+        });
+        text += "\nAnti-aliasing, set with -a:\n\n";
+        text += &listing(&antialiasing.collect::<Vec<_>>(), true);
         text += "\nShadow techniques, set with --shadow:\n\n";
         text += &listing(&shadow.collect::<Vec<_>>(), true);
     }

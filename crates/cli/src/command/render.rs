@@ -33,10 +33,8 @@ fn render<B: Backend>(arguments: &RenderArguments, backend: &B) -> anyhow::Resul
     let output = PictureOutput::from_path(&path);
     let is_sequence = matches!(output, PictureOutput::Sequence { .. });
     // Without anti-aliasing a frame owes nothing to the ones before it.
-    let frame_count = match antialiasing {
-        Antialiasing::None if !is_sequence => 1,
-        _ => arguments.frames.frames,
-    };
+    let owes_nothing = antialiasing == Antialiasing::NONE && !is_sequence;
+    let frame_count = if owes_nothing { 1 } else { arguments.frames.frames };
     output.check(settings.first_frame)?;
 
     let mut stage = arguments.scene.open(backend, arguments.machine, talk)?.stage;

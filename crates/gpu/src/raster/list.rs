@@ -8,7 +8,7 @@ use super::{
     format::{ADD, MULTIPLY, TAIL_FORMATS},
     opaque::Opaque,
     parts::Parts,
-    plan::Plan,
+    plan,
 };
 use crate::{
     error::GpuError,
@@ -78,9 +78,9 @@ impl Lists {
         linker.alias("camera", "shared/traverse_list").alias("tail", "shared/listed")
     }
 
-    /// With the shader of a [`Plan`] for what becomes of the lists.
+    /// With the shader of a plan for what becomes of the lists.
     pub(super) fn planned(parts: &Parts<'_>, text: String) -> Result<Self, GpuError> {
-        let mut lists = Self::resolved_by(parts, [Plan::PIECE, Plan::ENTRY_POINT], text)?;
+        let mut lists = Self::resolved_by(parts, [plan::PIECE, plan::ENTRY_POINT], text)?;
         lists.after = After::Composite(Composite::new(parts, &lists.opaque)?);
         Ok(lists)
     }

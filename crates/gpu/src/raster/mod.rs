@@ -1,18 +1,19 @@
 //! The raster path: all triangles are drawn, pass after pass, without vertex buffers.
 //!
 //! Every method starts from the nearest opaque surface of each pixel or makes it itself. One-fragment methods go by a visibility buffer
-//! ([`visibility`]); those that need fragments in order by a list a pixel ([`list`]); those that take them in any order by what their plan says
-//! ([`plan`], [`family`]); `stochastic` by targets of several samples a pixel ([`stochastic`]).
+//! ([`visibility`]); those that need fragments in order by a list a pixel ([`list`]); those that take them in any order by
+//! what they say themselves ([`plan`]): lists, passes of their own ([`passes`]) or targets of several samples a pixel
+//! ([`multisample`]).
 
-use sheer_render::{Method, Settings};
+use sheer_render::{Method, Settings, contract::Raster};
 
+pub(crate) use self::list::Lists;
 use self::{
-    family::Family,
+    multisample::{MultisamplePasses, Sampling},
     parts::Parts,
-    stochastic::{Sampling, Stochastic},
+    passes::DrawnPasses,
     visibility::Visibility,
 };
-pub(crate) use self::{list::Lists, plan::Plan};
 use crate::{
     device::Gpu,
     error::GpuError,
@@ -24,13 +25,13 @@ use crate::{
 
 mod composite;
 mod draw;
-mod family;
 mod format;
 mod list;
+pub(crate) mod multisample;
 mod opaque;
 mod parts;
-mod plan;
-pub(crate) mod stochastic;
+mod passes;
+pub(crate) mod plan;
 mod visibility;
 
 /// How a method is drawn.
@@ -38,8 +39,8 @@ mod visibility;
 enum Technique {
     Visibility(Box<Visibility>),
     Lists(Box<Lists>),
-    Family(Box<Family>),
-    Stochastic(Box<Stochastic>),
+    Passes(Box<DrawnPasses>),
+    Multisample(Box<MultisamplePasses>),
 }
 
 /// A method on the raster path.
@@ -70,19 +71,23 @@ impl RasterPath {
     }
 
     fn unordered(parts: &Parts<'_>, method: &Method) -> Result<Technique, GpuError> {
-        if let Some(sampling) = Sampling::of(method, parts.gpu.report())? {
-            return Ok(Technique::Stochastic(Box::new(Stochastic::new(parts, sampling)?)));
-        }
-        let Some(plan) = Plan::of(method)? else {
+        let Some(raster) = plan::raster_of(method)? else {
             return Err(GpuError::Unsupported {
-                what: format!("method {} has no raster version", method.info().id),
+                what: format!("method {} has no GPU version", method.info().id),
                 instead: "take --backend cpu".to_owned(),
             });
         };
-        let text = plan.link(parts.method_linker.clone())?;
-        Ok(match plan {
-            Plan::Lists => Technique::Lists(Box::new(Lists::planned(parts, text)?)),
-            Plan::Passes(passes) => Technique::Family(Box::new(Family::new(parts, passes, text)?)),
+        let linker = parts.method_linker.clone();
+        Ok(match raster {
+            Raster::Lists => Technique::Lists(Box::new(Lists::planned(parts, plan::link(&raster, linker)?)?)),
+            Raster::Passes(passes) => {
+                let text = plan::link(&Raster::Passes(passes.clone()), linker)?;
+                Technique::Passes(Box::new(DrawnPasses::new(parts, passes, text)?))
+            }
+            Raster::Multisample(multisample) => {
+                let sampling = Sampling::new(multisample, parts.gpu.report())?;
+                Technique::Multisample(Box::new(MultisamplePasses::new(parts, sampling)?))
+            }
         })
     }
 
@@ -90,8 +95,8 @@ impl RasterPath {
         match &self.technique {
             Technique::Visibility(visibility) => visibility.record(recording, groups),
             Technique::Lists(lists) => lists.record(recording, groups),
-            Technique::Family(family) => family.record(recording, groups),
-            Technique::Stochastic(stochastic) => stochastic.record(recording, groups),
+            Technique::Passes(passes) => passes.record(recording, groups),
+            Technique::Multisample(passes) => passes.record(recording, groups),
         }
     }
 
@@ -100,8 +105,8 @@ impl RasterPath {
         match &self.technique {
             Technique::Visibility(visibility) => visibility.bytes(),
             Technique::Lists(lists) => lists.bytes(),
-            Technique::Family(family) => family.bytes(),
-            Technique::Stochastic(stochastic) => stochastic.bytes(),
+            Technique::Passes(passes) => passes.bytes(),
+            Technique::Multisample(passes) => passes.bytes(),
         }
     }
 }

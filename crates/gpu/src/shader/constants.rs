@@ -2,14 +2,13 @@
 
 use sheer_core::{
     hash, mask,
-    parameter::{ParameterInfo, ParameterRange},
+    parameter::{Choice as _, ParameterInfo, ParameterRange},
     spatio_temporal, threshold_map,
 };
 use sheer_render::{
-    Method, contract,
+    Antialiasing, Method,
+    contract::{self, AlignmentRule, CORRECTION_PARAMETER, ShaderConstant, ShaderValue},
     cpu::shade,
-    method::{dtaa, dtaa_unique, hashed, joint, object_draw, roulette, static_noise},
-    temporal::taa,
 };
 
 use super::{
@@ -44,31 +43,19 @@ pub(crate) fn all() -> Vec<Constant> {
         mask::{ALPHA_BITS, OPAQUE as OPAQUE_ALPHA, CURVE_SIDE},
         threshold_map::{SIDE as MAP_SIDE},
         spatio_temporal::{SIDE as RANK_SIDE, FRAME_COUNT as RANK_FRAMES, COUNT as RANK_COUNT},
-        roulette::{MCGUIRE_SEEDS, MCGUIRE_SEED_STEP},
-        dtaa::{SIDE as DTAA_SIDE, PERIOD_PX as DTAA_PERIOD_PX},
-        hashed::{MAX_LEVEL},
-        object_draw::{SECOND_DRAW},
-        static_noise::{MIDDLE as MIDDLE_OF_STRATUM},
-        joint::{SHIFT_PX, CYCLE_FRAMES, GOLDEN_RATIO_BITS, OFFSET_BITS},
-        taa::{NEW_FRAME_WEIGHT, CLIP_SIGMAS, LEAST_DEVIATION},
         shade::{
             DIELECTRIC_F0, MIN_ROUGHNESS, SMOKE_WRAP, SMOKE_ANISOTROPY,
             FIBRE_SURFACE, FIBRE_THROUGH, FIBRE_BACK, FIBRE_TILT,
         },
-        tables::{TABLE_STD_MAPS, TABLE_BLUE_NOISE, TABLE_PERMUTATIONS, TABLE_DECODE},
+        tables::{TABLE_STD_MAPS, TABLE_BLUE_NOISE, TABLE_DECODE},
     ];
     all.extend([
         Constant::new("MASK_WIDTH", mask::WIDTH as u32),
         Constant::new("MAP_COUNT", threshold_map::MAP_COUNT as u32),
         Constant::new("THRESHOLD_COUNT", threshold_map::THRESHOLD_COUNT as u32),
-        Constant::new("PERMUTATION_COUNT", dtaa_unique::PERMUTATION_COUNT as u32),
-        // Signed as in Rust: they are loop bounds on both sides of zero.
-        Constant { name: "OPAQUE_RADIUS".to_owned(), value: Value::I32(taa::OPAQUE_RADIUS as i32) },
-        Constant { name: "TRANSPARENT_RADIUS".to_owned(), value: Value::I32(taa::TRANSPARENT_RADIUS as i32) },
     ]);
-    let rules = contract::AlignmentRule::ALL;
-    all.extend(rules.map(|rule| Constant::new(format!("ALIGN_{}", word(rule.word())), rule as u32)));
-    all.push(Constant::new("DEAD_ZONE", contract::AlignmentRule::DEAD_ZONE));
+    let rules = (0_u32..).zip(AlignmentRule::WORDS);
+    all.extend(rules.map(|(number, rule)| Constant::new(format!("ALIGN_{}", word(rule)), number)));
     all.extend(scene::CONSTANTS.iter().map(|&(name, value)| Constant::new(name, value)));
     let factors = hash::SPLITMIX64_FACTORS.into_iter().enumerate();
     all.extend(factors.map(|(index, factor)| Constant::new(format!("SPLITMIX64_FACTOR_{index}"), factor)));
@@ -77,16 +64,14 @@ pub(crate) fn all() -> Vec<Constant> {
     all
 }
 
-/// Key of the parameter that [`Method::correction`] stands for; a fitted correction has no word, only coefficients.
-const CORRECTION: &str = "correction";
-
-/// A method's parameters. The key `rehash` becomes `P_REHASH`, a choice `hash` becomes `P_HASH`, the number of the word chosen, with
+/// A method's parameters, its own constants and where its tables begin. The key `rehash` becomes `P_REHASH`, a choice `hash` becomes `P_HASH`, the number of the word chosen, with
 /// `P_HASH_PCG` and `P_HASH_MCGUIRE` to compare with.
 pub(crate) fn of_method(method: &Method) -> Vec<Constant> {
+    // A correction has coefficients in place of its word, which a fitted one does not have.
     let parameters = method.parameters();
     let mut constants: Vec<Constant> = parameters
         .iter()
-        .filter(|parameter| parameter.key != CORRECTION)
+        .filter(|parameter| parameter.key != CORRECTION_PARAMETER.key)
         .flat_map(|parameter| of_parameter(parameter, method.value(parameter.key)))
         .collect();
     constants.extend([
@@ -96,7 +81,30 @@ pub(crate) fn of_method(method: &Method) -> Vec<Constant> {
         },
         Constant::new("P_ALIGNMENT_PX", method.alignment().side_px),
     ]);
+    constants.extend(method.info().constants.iter().map(of_constant));
+    constants.extend(tables::of_method(method.info().tables));
     constants
+}
+
+/// The parameters of an anti-aliasing technique, named as those of methods are, and its own constants.
+pub(crate) fn of_antialiasing(antialiasing: &Antialiasing) -> Vec<Constant> {
+    let info = antialiasing.info();
+    let parameters = info.parameters.iter().zip(antialiasing.values());
+    let mut constants: Vec<Constant> =
+        parameters.flat_map(|(parameter, (_, value))| of_parameter(parameter, &value)).collect();
+    constants.extend(info.constants.iter().map(of_constant));
+    constants
+}
+
+/// A constant that a method or a technique declares.
+pub(crate) fn of_constant(constant: &ShaderConstant) -> Constant {
+    let value = match constant.value {
+        ShaderValue::U32(value) => Value::U32(value),
+        ShaderValue::I32(value) => Value::I32(value),
+        ShaderValue::F32(value) => Value::F32(value),
+        ShaderValue::Vec4F(values) => Value::Vec4F(values),
+    };
+    Constant { name: constant.name.to_owned(), value }
 }
 
 /// A parameter's value, which has been checked against its range.
@@ -128,7 +136,7 @@ fn word(text: &str) -> String {
 mod tests {
     use naga::{Expression, Handle, Literal, Module};
     use sheer_core::coverage::Correction;
-    use sheer_render::method::METHODS;
+    use sheer_render::{method::METHODS, temporal::ANTIALIASINGS};
 
     use super::*;
     use crate::shader::constant::text;
@@ -190,9 +198,13 @@ mod tests {
     }
 
     #[test]
-    fn the_parameters_of_every_method_read_back() {
+    fn the_constants_of_every_method_and_every_anti_aliasing_read_back() {
         for info in METHODS {
             let constants = of_method(&info.id.parse().unwrap());
+            assert_eq!(read_back(&text(&constants)), expected(&constants), "{}", info.id);
+        }
+        for info in ANTIALIASINGS {
+            let constants = of_antialiasing(&info.id.parse().unwrap());
             assert_eq!(read_back(&text(&constants)), expected(&constants), "{}", info.id);
         }
     }

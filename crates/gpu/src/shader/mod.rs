@@ -10,12 +10,12 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use sheer_render::Method;
+use sheer_render::{Antialiasing, Method};
 
 use crate::error::GpuError;
 
 pub(crate) mod constant;
-mod constants;
+pub(crate) mod constants;
 pub(crate) mod numbers;
 
 /// Name and text of each piece: the files below `shaders/`, as the build script finds them.
@@ -54,8 +54,13 @@ impl Linker {
 
     /// Lets `method` stand for a method's piece and adds its parameters.
     pub(crate) fn method(self, method: &Method) -> Self {
-        let piece = format!("method/{}", method.info().id.replace('-', "_"));
-        self.alias("method", &piece).constants(method_constants(method))
+        self.alias("method", &piece_of("method", method.info().id)).constants(method_constants(method))
+    }
+
+    /// Lets `technique` stand for the piece of an anti-aliasing technique and adds its parameters.
+    pub(crate) fn antialiasing(self, antialiasing: &Antialiasing) -> Self {
+        let constants = constant::text(&constants::of_antialiasing(antialiasing));
+        self.alias("technique", &piece_of("temporal", antialiasing.info().id)).constants(constants)
     }
 
     /// A piece with all that it includes.
@@ -119,6 +124,11 @@ impl Linker {
             Ok(())
         }
     }
+}
+
+/// The piece of a row of a table, by its id.
+fn piece_of(folder: &str, id: &str) -> String {
+    format!("{folder}/{}", id.replace('-', "_"))
 }
 
 /// A method's parameters as constants: see [`constants::of_method`].

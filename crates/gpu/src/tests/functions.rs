@@ -12,7 +12,8 @@ use sheer_core::{
 };
 use sheer_render::{
     Method,
-    contract::{self, Compositing, Selection, Site, Threshold, Visitor},
+    contract::{self, OrderedCompositing, Selection, Site, Threshold, UnorderedCompositing, Visitor},
+    method::Family,
 };
 use sheer_scene::{CameraPose, Lens};
 use wgpu::{BufferBindingType, BufferUsages};
@@ -98,7 +99,7 @@ fn hashes(v: [u32; 4]) -> [u32; HASH_COLUMNS] {
 fn hashes_are_those_of_the_cpu_bit_by_bit() {
     let input = random_words(4 * COUNT);
     let expected: Vec<_> = input.as_chunks().0.iter().map(|v| hashes(*v)).collect();
-    let tables = Tables::new(false, [0, 0]);
+    let tables = Tables::new(&[], [0, 0]);
     let shader = Linker::new().link("probe/hash").unwrap();
     let differ = differences(&run(&shader, &tables, &input, HASH_COLUMNS), &expected);
     assert_eq!(differ[..HASH_COLUMNS - 1], [0; HASH_COLUMNS - 1]);
@@ -116,7 +117,7 @@ fn hashes_are_those_of_the_cpu_bit_by_bit() {
 fn the_sine_hash_is_uniform_on_the_device_too() {
     let input = random_words(4 * COUNT);
     let shader = Linker::new().link("probe/hash").unwrap();
-    let words = run(&shader, &Tables::new(false, [0, 0]), &input, HASH_COLUMNS);
+    let words = run(&shader, &Tables::new(&[], [0, 0]), &input, HASH_COLUMNS);
     let values = words.chunks_exact(HASH_COLUMNS).map(|row| f32::from_bits(row[HASH_COLUMNS - 1]));
     assert!(uniformity_z(values.clone()).abs() < 5.0, "z {}", uniformity_z(values.clone()));
     assert!(uniformity_z(values.map(|value| value * value)).abs() > 5.0, "the check is blind");
@@ -152,7 +153,7 @@ fn masks_are_those_of_the_cpu_bit_by_bit() {
     let input = random_words(4 * COUNT);
     for samples in [1, 4, 8, 31, 32] {
         let expected: Vec<_> = input.as_chunks().0.iter().map(|v| masks(samples, *v)).collect();
-        let tables = Tables::new(false, [samples, 0]);
+        let tables = Tables::new(&[], [samples, 0]);
         let shader = Linker::new().constants(tables.constants()).link("probe/mask").unwrap();
         assert_eq!(differences(&run(&shader, &tables, &input, 6), &expected), [0; 6], "{samples} samples");
         // Negative control: with another table only what comes from it differs.
@@ -180,7 +181,7 @@ fn opacities_are_decided_upon_as_on_the_cpu() {
             input.as_chunks().0.iter().map(|pair: &[u32; 2]| pair.map(f32::from_bits)).collect();
         let method = "std".parse::<Method>().unwrap().with_correction(correction, "std");
         let shader = Linker::new().method(&method).link("probe/decide").unwrap();
-        let rows = run(&shader, &Tables::new(false, [0, 0]), &input, 2);
+        let rows = run(&shader, &Tables::new(&[], [0, 0]), &input, 2);
         for (row, [alpha, threshold]) in rows.chunks_exact(2).zip(expected) {
             let (coverage, wanted) = (f32::from_bits(row[0]), correction.coverage(alpha));
             // Three products and sums, fused or not: three roundings of numbers up to 3.
@@ -209,7 +210,7 @@ fn rays_of_the_camera_are_those_of_the_cpu() {
             ..FrameUniform::zeroed()
         };
         let shader = Linker::new().link("probe/camera").unwrap();
-        let rows = run_in(&frame, &shader, &Tables::new(false, [0, 0]), &input, 6);
+        let rows = run_in(&frame, &shader, &Tables::new(&[], [0, 0]), &input, 6);
         let expected: Vec<[u32; 6]> = input
             .as_chunks()
             .0
@@ -230,68 +231,71 @@ fn rays_of_the_camera_are_those_of_the_cpu() {
 }
 
 /// A site with random ids, in a picture and a scene of common size.
-fn site(random: &mut Pcg32) -> Site<1> {
+fn site(random: &mut Pcg32) -> Site {
     Site {
-        pixel: [[random.below(4096)], [random.below(4096)]],
+        pixel: [random.below(4096), random.below(4096)],
         frame: random.below(100_000),
         seed: random.next_u32(),
-        instance: [random.next_u32()],
-        geometry: [random.below(1 << 20)],
-        primitive: [random.next_u32()],
-        back: [random.below(2)],
-        position: [(); 3].map(|()| [random.range(-10.0, 10.0)]),
-        position_in_object: [(); 3].map(|()| [random.range(-1.0, 1.0) * random.range(-30.0, 60.0).exp2()]),
-        footprint_in_object: [random.range(-45.0, 45.0).exp2()],
+        instance: random.next_u32(),
+        geometry: random.below(1 << 20),
+        primitive: random.next_u32(),
+        back: random.below(2),
+        position: [(); 3].map(|()| random.range(-10.0, 10.0)).into(),
+        position_in_object: [(); 3]
+            .map(|()| random.range(-1.0, 1.0) * random.range(-30.0, 60.0).exp2())
+            .into(),
+        footprint_in_object: random.range(-45.0, 45.0).exp2(),
     }
 }
 
-fn words_of(site: &Site<1>) -> [u32; 15] {
-    let [[x], [y]] = site.pixel;
-    let ([[px], [py], [pz]], [[ox], [oy], [oz]]) = (site.position, site.position_in_object);
-    let [px, py, pz, ox, oy, oz, footprint] =
-        [px, py, pz, ox, oy, oz, site.footprint_in_object[0]].map(f32::to_bits);
-    let ids = [site.instance[0], site.geometry[0], site.primitive[0], site.back[0]];
-    let [instance, geometry, primitive, back] = ids;
+fn words_of(site: &Site) -> [u32; 15] {
+    let &Site { pixel: [x, y], instance, geometry, primitive, back, .. } = site;
+    let [px, py, pz] = site.position.to_array().map(f32::to_bits);
+    let [ox, oy, oz] = site.position_in_object.to_array().map(f32::to_bits);
+    let footprint = site.footprint_in_object.to_bits();
     [x, y, site.frame, site.seed, instance, geometry, primitive, back, px, py, pz, ox, oy, oz, footprint]
 }
 
-struct ThresholdsAt<'a>(&'a [Site<1>]);
+struct ThresholdsAt<'a>(&'a [Site]);
 
 impl Visitor for ThresholdsAt<'_> {
     type Output = Vec<u32>;
 
     fn threshold(self, method: &impl Threshold) -> Vec<u32> {
         let tables = contract::Tables::get();
-        self.0.iter().map(|site| method.threshold(site, &tables)[0].to_bits()).collect()
+        self.0.iter().map(|site| method.threshold(site, &tables).to_bits()).collect()
     }
 
     fn selection(self, method: &impl Selection) -> Vec<u32> {
         let tables = contract::Tables::get();
-        let threshold =
-            |site: &Site<1>| method.threshold(site.pixel.map(|[at]| at), site.frame, site.seed, &tables);
+        let threshold = |site: &Site| method.threshold(site.pixel, site.frame, site.seed, &tables);
         self.0.iter().map(|site| threshold(site).to_bits()).collect()
     }
 
-    fn compositing(self, _: &impl Compositing) -> Vec<u32> {
+    fn ordered(self, _: &impl OrderedCompositing) -> Vec<u32> {
+        panic!("a compositing method has no threshold")
+    }
+
+    fn unordered(self, _: &impl UnorderedCompositing) -> Vec<u32> {
         panic!("a compositing method has no threshold")
     }
 }
 
-fn random_sites() -> Vec<Site<1>> {
+fn random_sites() -> Vec<Site> {
     let mut random = Pcg32::new(15, 0);
     let mut sites: Vec<_> = (0..COUNT).map(|_| site(&mut random)).collect();
     for (index, footprint) in [0.0, f32::MIN_POSITIVE, f32::MAX, f32::INFINITY].into_iter().enumerate() {
-        sites[index].footprint_in_object = [footprint];
+        sites[index].footprint_in_object = footprint;
     }
     sites
 }
 
 /// Thresholds of a method at all sites: on the device and on the CPU.
-fn thresholds(text: &str, sites: &[Site<1>]) -> [Vec<u32>; 2] {
+fn thresholds(text: &str, sites: &[Site]) -> [Vec<u32>; 2] {
     let method: Method = text.parse().unwrap();
-    let tables = Tables::new(method.info().id == "stbn", [0, 0]);
+    let tables = Tables::new(method.info().tables, [0, 0]);
     let linker = Linker::new().method(&method).constants(tables.constants());
-    let on_device = if method.info().id == "joint" {
+    let on_device = if method.family() == Family::Selection {
         let input: Vec<u32> = sites.iter().flat_map(|site| words_of(site).into_iter().take(4)).collect();
         run(&linker.link("probe/selection").unwrap(), &tables, &input, 1)
     } else {
@@ -383,9 +387,9 @@ fn thresholds_of_sine_hashes_are_uniform() {
         .zip(sites)
         // Ids of a common scene: the sine wants small numbers.
         .map(|(index, site): (u32, _)| Site {
-            instance: [index % 251],
-            geometry: [index % 17],
-            primitive: [index],
+            instance: index % 251,
+            geometry: index % 17,
+            primitive: index,
             seed: site.seed % 64,
             ..site
         })

@@ -40,7 +40,7 @@ pub(super) fn link(piece: &str) -> String {
     let method: Method = "std".parse().unwrap();
     Linker::new()
         .method(&method)
-        .constants(Tables::new(false, [0, 0]).constants())
+        .constants(Tables::new(&[], [0, 0]).constants())
         .constants(accel::constants())
         .alias("shadow", "shared/shadow_deep")
         .alias("traverse", "shared/traverse_bvh")

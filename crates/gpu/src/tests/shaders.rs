@@ -2,12 +2,22 @@
 
 use std::{collections::BTreeSet, fs, path::Path};
 
-use sheer_render::{Method, method::Family, method::METHODS};
+use sheer_render::{
+    Method,
+    contract::Raster,
+    method::{Family, variants},
+    temporal::ANTIALIASINGS,
+};
 
 use crate::{
     device::{AdapterReport, Tracer},
+    error::GpuError,
     pipeline::base_linker,
-    raster::{Lists, Plan, stochastic::Sampling},
+    raster::{
+        Lists,
+        multisample::Sampling,
+        plan::{self, raster_of},
+    },
     ray::Search,
     shader::Linker,
     shadow::MapSettings,
@@ -102,28 +112,14 @@ fn every_file_below_shaders_is_a_piece() {
 
 /// Shaders that use all that threshold and selection methods bring, for each value of each choice.
 fn probes_of_methods() -> Vec<(Method, String)> {
-    let methods = METHODS.iter().map(|info| info.id.parse::<Method>().unwrap());
-    let drawing =
-        methods.filter(|method| method.family() != Family::Compositing && method.info().id != "baseline");
-    let mut probes = Vec::new();
-    for method in drawing {
-        let id = method.info().id;
-        let settings = method.info().parameters.iter().flat_map(|parameter| match parameter.range {
-            sheer_core::parameter::ParameterRange::Choice(words) => {
-                words.iter().map(|word| format!("{}={word}", parameter.key)).collect::<Vec<_>>()
-            }
-            _ => Vec::new(),
-        });
-        for settings in settings.chain([String::new()]) {
-            let method: Method = format!("{id}:{settings}").parse().unwrap();
-            let probe =
-                if method.family() == Family::Selection { "probe/selection" } else { "probe/threshold" };
-            let tables = Tables::new(false, [4, 0]).constants();
-            let text = Linker::new().method(&method).constants(tables).link(probe).unwrap();
-            probes.push((method, text));
-        }
-    }
-    probes
+    let drawing = variants().filter(|method| method.family().shades_one_fragment());
+    let probe = |method: Method| {
+        let probe = if method.family() == Family::Selection { "probe/selection" } else { "probe/threshold" };
+        let tables = Tables::new(&[], [4, 0]).constants();
+        let text = Linker::new().method(&method).constants(tables).link(probe).unwrap();
+        (method, text)
+    };
+    drawing.map(probe).collect()
 }
 
 #[test]
@@ -138,7 +134,7 @@ fn every_threshold_and_selection_method_is_a_valid_shader() {
 #[test]
 fn every_shared_piece_of_numbers_is_valid_alone() {
     let method: Method = "std".parse().unwrap();
-    let linker = Linker::new().method(&method).constants(Tables::new(false, [4, 0]).constants());
+    let linker = Linker::new().method(&method).constants(Tables::new(&[], [4, 0]).constants());
     for piece in ["decide", "dtaa_map", "hash", "mask", "object_draw", "site", "tables", "threshold_map"]
         .map(|name| format!("shared/{name}"))
     {
@@ -160,13 +156,15 @@ fn a_slip_in_a_shader_is_found() {
 
 /// All shaders of both paths that a method may take, by name.
 fn passes_of(method: &Method, tracer: Tracer) -> Vec<(String, String)> {
-    let plain = base_linker(tracer).constants(Tables::new(false, [4, 0]).constants());
+    let plain = base_linker(tracer).constants(Tables::new(&[], [4, 0]).constants());
     let linker = plain.clone().method(method);
     let Some(search) = Search::of(method) else {
-        let plan = Plan::of(method).unwrap();
+        let raster = raster_of(method).unwrap().unwrap();
         let behind = ("pass/composite".to_owned(), plain.link("pass/composite").unwrap());
-        let own = |plan: Plan| ("pass/front".to_owned(), plan.link(linker.clone()).unwrap());
-        return plan.map(own).into_iter().chain([behind]).collect();
+        // Targets of several samples have shaders and a test of their own.
+        let front = (!matches!(raster, Raster::Multisample(_)))
+            .then(|| ("pass/front".to_owned(), plan::link(&raster, linker.clone()).unwrap()));
+        return front.into_iter().chain([behind]).collect();
     };
     let piece = search.piece().0;
     let mut passes = vec![(piece.to_owned(), search.link(linker.clone()).unwrap())];
@@ -186,16 +184,10 @@ fn passes_of(method: &Method, tracer: Tracer) -> Vec<(String, String)> {
 
 #[test]
 fn every_pass_of_every_method_is_a_valid_shader() {
-    let methods = METHODS.iter().map(|info| info.id.to_owned());
-    let further = [
-        "std:hybrid=0.5",
-        "joint:hybrid=0.5,layers=4",
-        "baseline:trace=continuation",
-        "moments:order=6",
-        "moments:order=8",
-    ];
-    for text in methods.chain(further.map(str::to_owned)) {
-        let method: Method = text.parse().unwrap();
+    let hybrids = ["std:hybrid=0.5", "joint:hybrid=0.5,layers=4"].map(|text| text.parse().unwrap());
+    // What a rasteriser refuses has no shader.
+    let drawn = variants().filter(|method| raster_of(method).is_ok());
+    for method in drawn.chain(hybrids) {
         for tracer in [Tracer::Query, Tracer::Bvh] {
             for (piece, text) in passes_of(&method, tracer) {
                 validate(&text).unwrap_or_else(|error| panic!("{method}, {tracer:?}, {piece}: {error}"));
@@ -218,6 +210,14 @@ fn report() -> AdapterReport {
     }
 }
 
+/// How the made-up device divides the samples of a method.
+fn sampling(method: &Method) -> Result<Sampling, GpuError> {
+    match raster_of(method)? {
+        Some(Raster::Multisample(multisample)) => Sampling::new(multisample, &report()),
+        other => panic!("{method} is drawn by {other:?}"),
+    }
+}
+
 #[test]
 fn every_pass_of_stochastic_transparency_is_a_valid_shader() {
     for settings in [
@@ -229,8 +229,8 @@ fn every_pass_of_stochastic_transparency_is_a_valid_shader() {
         "seed-by=depth",
     ] {
         let method: Method = format!("stochastic:{settings}").parse().unwrap();
-        let sampling = Sampling::of(&method, &report()).unwrap().unwrap();
-        let tables = Tables::new(false, sampling.table_sizes()).constants();
+        let sampling = sampling(&method).unwrap();
+        let tables = Tables::new(&[], sampling.table_sizes()).constants();
         let plain = base_linker(Tracer::Bvh).constants(tables);
         let sampled = plain.clone().constants(sampling.constants());
         for (piece, linker) in [
@@ -241,6 +241,15 @@ fn every_pass_of_stochastic_transparency_is_a_valid_shader() {
             validate(&linker.link(piece).unwrap())
                 .unwrap_or_else(|error| panic!("{method}, {piece}: {error}"));
         }
+    }
+}
+
+#[test]
+fn every_anti_aliasing_technique_is_a_valid_shader() {
+    for info in ANTIALIASINGS {
+        let linker = Linker::new().antialiasing(&info.id.parse().unwrap());
+        validate(&linker.link("pass/resolve").unwrap())
+            .unwrap_or_else(|error| panic!("{}: {error}", info.id));
     }
 }
 
@@ -256,7 +265,7 @@ fn what_the_hardware_cannot_draw_of_stochastic_transparency_is_refused_with_advi
         "filter=bilateral",
     ] {
         let method: Method = format!("stochastic:{settings}").parse().unwrap();
-        let error = Sampling::of(&method, &report()).unwrap_err().to_string();
+        let error = sampling(&method).unwrap_err().to_string();
         assert!(error.contains("take ") && error.contains("--backend cpu"), "{settings}: {error}");
     }
 }
@@ -266,7 +275,7 @@ fn shadow_maps_are_valid_shaders_to_make_and_to_read() {
     for settings in ["", "samples=64,correct=on", "sampling=naive,taps=3", "filter=0"] {
         let maps = MapSettings::of(&format!("stochastic-map:{settings}").parse().unwrap()).unwrap().unwrap();
         for tracer in [Tracer::Query, Tracer::Bvh] {
-            let linker = base_linker(tracer).constants(Tables::new(false, [4, 0]).constants());
+            let linker = base_linker(tracer).constants(Tables::new(&[], [4, 0]).constants());
             let linker = linker.alias("shadow", "shared/shadow_map").constants(maps.constants());
             for piece in ["pass/shadow_map", "shared/shade"] {
                 let text = linker.link(piece).unwrap();

@@ -51,7 +51,7 @@ fn send(frame: &Frame) -> SceneBuffers {
 fn ask(scene: &SceneBuffers, frame: &Frame, queries: &[Query]) -> Vec<Answer> {
     let uniform = FrameUniform { static_count: frame.static_count() as u32, ..FrameUniform::zeroed() };
     let uniform = harness::buffer(bytemuck::bytes_of(&uniform), BufferUsages::UNIFORM);
-    let tables = Tables::new(false, [0, 0]);
+    let tables = Tables::new(&[], [0, 0]);
     let tables = harness::buffer(bytemuck::cast_slice(&tables.words), BufferUsages::STORAGE);
     let asked = harness::buffer(bytemuck::cast_slice(queries), BufferUsages::STORAGE);
     let answers = harness::results(size_of::<Answer>() * queries.len());

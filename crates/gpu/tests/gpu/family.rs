@@ -78,7 +78,7 @@ impl Sides {
 
     fn pipeline(&self, method: &str) -> Result<GpuPipeline, GpuError> {
         let method = method.parse().unwrap();
-        GpuPipeline::new(&self.gpu, GpuPathChoice::Raster, method, Antialiasing::None, self.settings)
+        GpuPipeline::new(&self.gpu, GpuPathChoice::Raster, method, Antialiasing::NONE, self.settings)
     }
 
     fn draw(&mut self, method: &str) -> (Planes, Counters) {
@@ -90,7 +90,7 @@ impl Sides {
 
     fn expect(&mut self, method: &str) -> (Planes, Counters) {
         let method = method.parse().unwrap();
-        let mut pipeline = sheer_render::Pipeline::new(method, Antialiasing::None, self.settings).unwrap();
+        let mut pipeline = sheer_render::Pipeline::new(method, Antialiasing::NONE, self.settings).unwrap();
         self.on_cpu.advance(pipeline.clock().at(0));
         let (counters, _) = pipeline.render(&self.on_cpu, 0).unwrap();
         (pipeline.planes().clone(), counters)

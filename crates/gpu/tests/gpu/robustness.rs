@@ -26,7 +26,7 @@ fn method(text: &str) -> Method {
 }
 
 fn std_pipeline(gpu: &Arc<Gpu>, size: [u32; 2]) -> GpuPipeline {
-    GpuPipeline::new(gpu, GpuPathChoice::Automatic, method("std"), Antialiasing::Taa, settings(size)).unwrap()
+    GpuPipeline::new(gpu, GpuPathChoice::Automatic, method("std"), Antialiasing::TAA, settings(size)).unwrap()
 }
 
 fn stage(gpu: &Arc<Gpu>, text: &str) -> GpuStage {
@@ -56,7 +56,7 @@ fn pictures_of_every_size_come_from_one_stage() {
     for size in [[1, 1], [7, 5], [64, 36], [33, 200], [8, 8]] {
         for choice in [GpuPathChoice::Ray, GpuPathChoice::Raster] {
             let mut pipeline =
-                GpuPipeline::new(&gpu, choice, method("std"), Antialiasing::Taa, settings(size)).unwrap();
+                GpuPipeline::new(&gpu, choice, method("std"), Antialiasing::TAA, settings(size)).unwrap();
             stage.advance(pipeline.clock().at(0)).unwrap();
             pipeline.render(&mut stage, 0).unwrap();
             assert_eq!(pipeline.planes().unwrap().colour.size(), (size[0], size[1]));
@@ -69,7 +69,7 @@ fn a_lost_device_is_replaced_and_the_frame_is_rendered_again() {
     let gpu = gpu();
     let mut stage = stage(&gpu, MOVING);
     let mut pipeline =
-        GpuPipeline::new(&gpu, GpuPathChoice::Ray, method("std"), Antialiasing::None, settings([64, 36]))
+        GpuPipeline::new(&gpu, GpuPathChoice::Ray, method("std"), Antialiasing::NONE, settings([64, 36]))
             .unwrap();
     let moment = pipeline.clock().at(3);
     stage.advance(moment).unwrap();
@@ -88,7 +88,7 @@ fn two_pipelines_of_a_stage_both_go_on_after_a_loss() {
     let gpu = gpu();
     let mut stage = stage(&gpu, "layers:count=2");
     let mut pipelines = ["std", "roulette"].map(|text| {
-        GpuPipeline::new(&gpu, GpuPathChoice::Ray, method(text), Antialiasing::None, settings([16, 9]))
+        GpuPipeline::new(&gpu, GpuPathChoice::Ray, method(text), Antialiasing::NONE, settings([16, 9]))
             .unwrap()
     });
     for round in 0..2 {
@@ -105,7 +105,7 @@ fn a_picture_too_large_says_so_and_leaves_the_device_usable() {
     let gpu = gpu();
     let too_large = settings([60_000, 60_000]);
     let error =
-        GpuPipeline::new(&gpu, GpuPathChoice::Ray, method("std"), Antialiasing::None, too_large).unwrap_err();
+        GpuPipeline::new(&gpu, GpuPathChoice::Ray, method("std"), Antialiasing::NONE, too_large).unwrap_err();
     assert!(matches!(error, GpuError::Limit { .. }), "{error}");
     assert!(error.to_string().contains("60000x60000"), "{error}");
     assert_eq!(gpu.generation(), 0);
@@ -116,7 +116,7 @@ fn a_picture_too_large_says_so_and_leaves_the_device_usable() {
 fn what_a_path_does_not_run_is_told_with_what_does() {
     let gpu = gpu();
     let refused = |choice, text: &str| {
-        let pipeline = GpuPipeline::new(&gpu, choice, method(text), Antialiasing::None, settings([16, 9]));
+        let pipeline = GpuPipeline::new(&gpu, choice, method(text), Antialiasing::NONE, settings([16, 9]));
         pipeline.unwrap_err().to_string()
     };
     let error = refused(GpuPathChoice::Ray, "weighted");

@@ -93,7 +93,7 @@ fn settings(shadow: &str, seed: u32) -> Settings {
 fn on_cpu(scene: &Arc<Scene>, settings: Settings) -> (Planes, Counters) {
     let mut stage = sheer_render::Stage::new(Arc::clone(scene), &CameraChoice::Default, Some(2)).unwrap();
     let mut pipeline =
-        sheer_render::Pipeline::new("std".parse().unwrap(), Antialiasing::None, settings).unwrap();
+        sheer_render::Pipeline::new("std".parse().unwrap(), Antialiasing::NONE, settings).unwrap();
     stage.advance(pipeline.clock().at(0));
     let (counters, _) = pipeline.render(&stage, 0).unwrap();
     (pipeline.planes().clone(), counters)
@@ -106,7 +106,7 @@ fn on_gpu(
     settings: Settings,
 ) -> Result<(Planes, Counters), GpuError> {
     let mut stage = GpuStage::new(gpu, Arc::clone(scene), &CameraChoice::Default, Some(2))?;
-    let mut pipeline = GpuPipeline::new(gpu, path, "std".parse().unwrap(), Antialiasing::None, settings)?;
+    let mut pipeline = GpuPipeline::new(gpu, path, "std".parse().unwrap(), Antialiasing::NONE, settings)?;
     stage.advance(pipeline.clock().at(0))?;
     let (counters, timings) = pipeline.render(&mut stage, 0)?;
     assert!(!gpu.report().timestamps || timings.shadow_ms > 0.0, "{timings:?}");

@@ -35,7 +35,7 @@ fn settings(seed: u32) -> Settings {
 
 fn on_cpu(stage: &mut sheer_render::Stage, method: &str, settings: Settings) -> (Planes, Counters) {
     let method = method.parse().unwrap();
-    let mut pipeline = sheer_render::Pipeline::new(method, Antialiasing::None, settings).unwrap();
+    let mut pipeline = sheer_render::Pipeline::new(method, Antialiasing::NONE, settings).unwrap();
     stage.advance(pipeline.clock().at(0));
     let (counters, _) = pipeline.render(stage, 0).unwrap();
     (pipeline.planes().clone(), counters)
@@ -49,7 +49,7 @@ struct Drawn {
 
 fn on_gpu(gpu: &Arc<Gpu>, stage: &mut GpuStage, method: &str, settings: Settings) -> Result<Drawn, GpuError> {
     let method = method.parse().unwrap();
-    let mut pipeline = GpuPipeline::new(gpu, GpuPathChoice::Automatic, method, Antialiasing::None, settings)?;
+    let mut pipeline = GpuPipeline::new(gpu, GpuPathChoice::Automatic, method, Antialiasing::NONE, settings)?;
     stage.advance(pipeline.clock().at(0))?;
     let (counters, _) = pipeline.render(stage, 0)?;
     Ok(Drawn { planes: pipeline.planes()?, counters, steps: pipeline.steps().to_vec() })
@@ -163,7 +163,7 @@ fn z_of_layers(gpu: &Arc<Gpu>, method: &str) -> f64 {
     let small = Settings { size: [32, 24], ..settings(1) };
     let method = method.parse().unwrap();
     let mut pipeline =
-        GpuPipeline::new(gpu, GpuPathChoice::Automatic, method, Antialiasing::None, small).unwrap();
+        GpuPipeline::new(gpu, GpuPathChoice::Automatic, method, Antialiasing::NONE, small).unwrap();
     let mut mean_of = |frame: u32| {
         stage.advance(pipeline.clock().at(frame)).unwrap();
         pipeline.render(&mut stage, frame).unwrap();

@@ -60,7 +60,7 @@ fn cpu_stage(scene: &Arc<Scene>) -> sheer_render::Stage {
 
 fn on_cpu(stage: &mut sheer_render::Stage, method: &str) -> Planes {
     let method: Method = method.parse().unwrap();
-    let mut pipeline = sheer_render::Pipeline::new(method, Antialiasing::None, settings(0)).unwrap();
+    let mut pipeline = sheer_render::Pipeline::new(method, Antialiasing::NONE, settings(0)).unwrap();
     stage.advance(pipeline.clock().at(0));
     pipeline.render(stage, 0).unwrap();
     pipeline.planes().clone()
@@ -69,7 +69,7 @@ fn on_cpu(stage: &mut sheer_render::Stage, method: &str) -> Planes {
 fn on_gpu(gpu: &Arc<Gpu>, path: GpuPathChoice, scene: &Arc<Scene>, method: &str, seed: u32) -> Planes {
     let mut stage = GpuStage::new(gpu, Arc::clone(scene), &CameraChoice::Default, None).unwrap();
     let method: Method = method.parse().unwrap();
-    let mut pipeline = GpuPipeline::new(gpu, path, method, Antialiasing::None, settings(seed)).unwrap();
+    let mut pipeline = GpuPipeline::new(gpu, path, method, Antialiasing::NONE, settings(seed)).unwrap();
     stage.advance(pipeline.clock().at(0)).unwrap();
     pipeline.render(&mut stage, 0).unwrap();
     pipeline.planes().unwrap()

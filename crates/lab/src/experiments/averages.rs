@@ -81,12 +81,12 @@ pub(super) fn opacities<B: Backend>(lab: &Lab<'_, B>) -> Result<Findings> {
     let mut rows = Vec::new();
     let mut lines = vec![Series::guide("no error", [[0.1, 0.0], [1.0, 0.0]])];
     for (method, antialiasing) in [
-        ("roulette", Antialiasing::Accumulate),
-        ("roulette", Antialiasing::Taa),
-        ("std", Antialiasing::Accumulate),
-        ("std", Antialiasing::Taa),
-        ("joint", Antialiasing::Taa),
-        ("dtaa", Antialiasing::Taa),
+        ("roulette", Antialiasing::ACCUMULATE),
+        ("roulette", Antialiasing::TAA),
+        ("std", Antialiasing::ACCUMULATE),
+        ("std", Antialiasing::TAA),
+        ("joint", Antialiasing::TAA),
+        ("dtaa", Antialiasing::TAA),
     ] {
         let settings = lab.settings(0.0);
         let mut pipelines = lab.pipelines(&[method], antialiasing, settings)?;
@@ -101,7 +101,7 @@ pub(super) fn opacities<B: Backend>(lab: &Lab<'_, B>) -> Result<Findings> {
         let fit = sheer_core::coverage::Correction::fit(&pairs);
         let coefficients = fit.map(|fit| fit.coefficients().map(f64::from));
         let name = format!("{method}, {antialiasing}");
-        if antialiasing == Antialiasing::Accumulate {
+        if antialiasing == Antialiasing::ACCUMULATE {
             let text =
                 format!("plain accumulation needs no correction: {method} is off by {worst:.4} at most");
             findings.claims.push(claim(text, worst <= UNSEEN));
@@ -114,7 +114,7 @@ pub(super) fn opacities<B: Backend>(lab: &Lab<'_, B>) -> Result<Findings> {
                 .chain((0..4).map(coefficient))
                 .collect(),
         );
-        if antialiasing == Antialiasing::Taa {
+        if antialiasing == Antialiasing::TAA {
             findings.pictures.push(picture(&name, &*lab.planes(pipeline)?));
         }
     }
@@ -174,7 +174,7 @@ pub(super) fn joint<B: Backend>(lab: &Lab<'_, B>) -> Result<Findings> {
         .iter()
         .flat_map(|file| ["static", "orbit"].map(|camera| (file.clone(), camera, Some(0.3), 0.0)));
     for (scene, camera, alpha, start_secs) in clips.into_iter().chain(files) {
-        let antialiasing = Antialiasing::Taa;
+        let antialiasing = Antialiasing::TAA;
         let played = lab.play(&Take {
             scene: &scene,
             alpha,
@@ -218,7 +218,7 @@ fn exponential_error<B: Backend>(lab: &Lab<'_, B>, method: &str, count: u32, alp
     let (mut sum, mut terms) = (0.0, 0_u32);
     for seed in 0..SEEDS {
         let settings = Settings { size: SIZE, seed: lab.seed.wrapping_add(seed), ..Settings::default() };
-        let mut pipelines = lab.pipelines(&[method], Antialiasing::None, settings)?;
+        let mut pipelines = lab.pipelines(&[method], Antialiasing::NONE, settings)?;
         let mut averages = vec![glam::DVec3::ZERO; (SIZE[0] * SIZE[1]) as usize];
         play(lab.backend, &mut stage, &mut pipelines, Timeline::Still(FRAMES), |event| {
             let Event::Frame { index, pipelines } = event else { return Ok(()) };

@@ -124,7 +124,7 @@ impl<B: Backend> Lab<'_, B> {
 
     /// Moments `step` frames apart.
     pub(super) fn moments(&self, start_secs: f32, count: u32, step: u32) -> Vec<Moment> {
-        let clock = Clock::new(&self.settings(start_secs), Antialiasing::None);
+        let clock = Clock::new(&self.settings(start_secs), Antialiasing::NONE);
         (0..count).map(|index| clock.at(index * step)).collect()
     }
 }

@@ -23,7 +23,7 @@ const COLUMNS: &[&str] = &["SSIM", "PSNR dB", "tPSNR dB", "FLIP", "flicker", "RM
 const EQUAL: f64 = 0.03;
 
 fn take<'a>(scene: &'a str, camera: &'a str, start_secs: f32, frames: u32) -> Take<'a> {
-    Take { scene, alpha: None, camera, start_secs, frames, antialiasing: Antialiasing::Taa, methods: METHODS }
+    Take { scene, alpha: None, camera, start_secs, frames, antialiasing: Antialiasing::TAA, methods: METHODS }
 }
 
 /// What is missing to a perfect SSIM.
@@ -131,10 +131,10 @@ fn coarse_flicker<B: Backend>(
     const FRAMES: u32 = 54;
     let settings = lab.settings(0.0);
     let all: Vec<&str> = methods.iter().copied().chain([REFERENCE]).collect();
-    let mut pipelines = lab.pipelines(&all, Antialiasing::Taa, settings)?;
+    let mut pipelines = lab.pipelines(&all, Antialiasing::TAA, settings)?;
     let mut flickers = vec![Flicker::<3>::new(); methods.len()];
     let (mut motion_px, mut count) = (0.0, 0.0);
-    let clock = Clock::new(&settings, Antialiasing::Taa);
+    let clock = Clock::new(&settings, Antialiasing::TAA);
     let slow = |time_secs: f32| 1.0 + speed * time_secs;
     let moments: Vec<Moment> = (0..FRAMES)
         .map(|index| clock.at(index))
@@ -230,7 +230,7 @@ fn lost_objects<B: Backend>(lab: &Lab<'_, B>) -> Result<(HashMap<String, usize>,
     // Without bias: it says how often each object ought to be seen.
     let mut seen = |method: &str, seed: u32, frames: u32| -> Result<HashMap<u32, f64>> {
         let settings = Settings { seed, ..lab.settings(time_secs) };
-        let mut pipelines = lab.pipelines(&[method], Antialiasing::None, settings)?;
+        let mut pipelines = lab.pipelines(&[method], Antialiasing::NONE, settings)?;
         let mut counts: HashMap<u32, f64> = HashMap::new();
         play(lab.backend, &mut stage, &mut pipelines, Timeline::Still(frames), |event| {
             let Event::Frame { pipelines, .. } = event else { return Ok(()) };

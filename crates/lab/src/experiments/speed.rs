@@ -110,7 +110,7 @@ pub(super) fn hybrid<B: Backend>(lab: &Lab<'_, B>) -> Result<Findings> {
             camera,
             start_secs,
             frames: 12,
-            antialiasing: Antialiasing::Taa,
+            antialiasing: Antialiasing::TAA,
             methods: &methods,
         })?;
         let of = |method: &String| (played.row(method).rms, played.row(method).ms_median);

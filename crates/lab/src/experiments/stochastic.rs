@@ -30,7 +30,7 @@ fn motor<B: Backend>(lab: &Lab<'_, B>, alpha: f32, methods: &[String]) -> Result
         camera: "static",
         start_secs: 0.0,
         frames: 4,
-        antialiasing: Antialiasing::None,
+        antialiasing: Antialiasing::NONE,
         methods: &methods,
     })
 }
@@ -177,7 +177,7 @@ fn still<B: Backend>(
 ) -> Result<Still> {
     let shadow = shadow.parse::<Shadow>()?;
     let settings = Settings { size, seed: lab.seed, shadow, first_frame: frame, ..Settings::default() };
-    let mut pipelines = lab.pipelines(&[method], Antialiasing::None, settings)?;
+    let mut pipelines = lab.pipelines(&[method], Antialiasing::NONE, settings)?;
     let mut timings = Timings::default();
     play(lab.backend, stage, &mut pipelines, Timeline::Still(1), |event| {
         if let Event::Rendered { cost, .. } = event {
@@ -399,7 +399,7 @@ pub(super) fn family<B: Backend>(lab: &Lab<'_, B>) -> Result<Findings> {
     let built_in = SCENES.map(|(scene, camera, start_secs)| (scene.to_owned(), camera, start_secs, None));
     let files = lab.files.iter().map(|file| (file.clone(), "static", 0.0, Some(0.3)));
     for (scene, camera, start_secs, alpha) in built_in.into_iter().chain(files) {
-        let antialiasing = Antialiasing::None;
+        let antialiasing = Antialiasing::NONE;
         let played = lab.play(&Take {
             scene: &scene,
             alpha,

@@ -16,7 +16,7 @@ pub(super) fn checks(threads: Option<usize>) -> Result<Vec<Check>> {
         for (alpha, seen) in [(0, [0.0, 0.0, 1.0]), (1, [1.0, 0.0, 0.0])] {
             let scene = format!("layers:count=4,alpha={alpha},colours=red-green,background=1");
             let settings = Settings { size: SIZE, ..Settings::default() };
-            let planes = render(&scene, method.id, Antialiasing::Accumulate, settings, FRAMES, threads)?;
+            let planes = render(&scene, method.id, Antialiasing::ACCUMULATE, settings, FRAMES, threads)?;
             let name = format!("{}: error at alpha {alpha}", method.id);
             checks.push(exact(name, "every method", 0.0, None, greatest_error(&planes, seen)));
         }

@@ -40,7 +40,7 @@ pub(super) fn checks(threads: Option<usize>) -> Result<Vec<Check>> {
 fn example(name: &str, parameters: &str, expected: [f64; 3], threads: Option<usize>) -> Result<Check> {
     let settings = Settings { size: [4, 4], ..Settings::default() };
     let planes =
-        render(&format!("layers:{parameters}"), "baseline", Antialiasing::None, settings, 1, threads)?;
+        render(&format!("layers:{parameters}"), "baseline", Antialiasing::NONE, settings, 1, threads)?;
     let measured = mean_colour(&planes);
     let error = measured.iter().zip(expected).map(|(measured, expected)| (measured - expected).abs());
     Ok(Check {
@@ -61,7 +61,7 @@ fn example(name: &str, parameters: &str, expected: [f64; 3], threads: Option<usi
 fn transmittance(count: u32, alpha: f64, seed: u32, threads: Option<usize>) -> Result<Check> {
     let scene = format!("layers:count={count},alpha={alpha},colours=red-green,background=1");
     let settings = Settings { size: SIZE, seed, ..Settings::default() };
-    let planes = render(&scene, "roulette", Antialiasing::Accumulate, settings, FRAMES, threads)?;
+    let planes = render(&scene, "roulette", Antialiasing::ACCUMULATE, settings, FRAMES, threads)?;
     let [_, _, measured] = mean_colour(&planes);
     // The scene holds a 32-bit alpha.
     let expected = (1.0 - f64::from(alpha as f32)).powi(count as i32);

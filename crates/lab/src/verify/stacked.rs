@@ -150,9 +150,9 @@ impl Error {
 /// The exponential average of frames through pixel centres, without the clamping of temporal anti-aliasing.
 fn average(stage: &mut Stage, method: &str, seed: u32, frames: u32) -> Result<Image<[f32; 3]>> {
     let settings = Settings { size: SIZE, seed, ..Settings::default() };
-    let mut pipelines = pipelines(&Cpu, [&method.parse()?], Antialiasing::None, settings)?;
+    let mut pipelines = pipelines(&Cpu, [&method.parse()?], Antialiasing::NONE, settings)?;
     let mut average = Image::filled(SIZE[0], SIZE[1], [0.0; 3])?;
-    let timeline = Timeline::of(&settings, Antialiasing::None, frames);
+    let timeline = Timeline::of(&settings, Antialiasing::NONE, frames);
     play(&Cpu, stage, &mut pipelines, timeline, |event| {
         let Event::Frame { index, pipelines } = event else { return Ok(()) };
         let weight = if index == 0 { 1.0 } else { WEIGHT };

@@ -17,8 +17,8 @@ pub(super) fn checks() -> Result<Vec<Check>> {
     let mut together = stage("smoke-square", Some(2))?;
     let settings = Settings { size: SIZE, ..Settings::default() };
     let check = |method: &str| {
-        let one = play(&mut alone, method, Antialiasing::Taa, settings, FRAMES)?;
-        let two = play(&mut together, method, Antialiasing::Taa, settings, FRAMES)?;
+        let one = play(&mut alone, method, Antialiasing::TAA, settings, FRAMES)?;
+        let two = play(&mut together, method, Antialiasing::TAA, settings, FRAMES)?;
         let name = format!("{method}: pixels that differ between 1 and 2 threads");
         Ok(exact(name, "every method", 0.0, None, differing(&one, &two)))
     };

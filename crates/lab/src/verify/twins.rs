@@ -126,7 +126,7 @@ fn own_scenes(alpha: Option<f32>) -> Result<Vec<(String, Arc<Scene>)>> {
 fn frame<B: Backend>(backend: &B, stage: &mut B::Stage, method: &Method) -> Result<(Planes, Counters)> {
     // Not the first frame, whose number is 0 in every hash.
     let settings = Settings { size: SIZE, first_frame: 4, ..Settings::default() };
-    picture(backend, stage, method, Antialiasing::None, settings, 1)
+    picture(backend, stage, method, Antialiasing::NONE, settings, 1)
 }
 
 /// A scene on both sides.
@@ -155,7 +155,7 @@ impl<'b, B: Backend> Sides<'b, B> {
     fn check(&mut self, method: &Method) -> Result<Compared> {
         let (mut found, counters) = frame(self.backend, &mut self.on_gpu, method)?;
         let (expected, expected_counters) = frame(&Cpu, &mut self.on_cpu, method)?;
-        if method.family() == Family::Compositing {
+        if !method.family().shades_one_fragment() {
             // Where layers hide the background, what keeps sums alone does not know which fragment is the furthest. Colours tell.
             found.instance.clone_from(&expected.instance);
             found.primitive.clone_from(&expected.primitive);
@@ -198,7 +198,7 @@ impl Bounds {
         let inside_share = if method.info().id == hashed::INFO.id { INSIDE_SHARE_HASHED } else { 0.0 };
         let (colour, colour_share) = match method.family() {
             Family::Threshold | Family::Selection => (COLOUR_BOUND, COLOUR_SHARE),
-            Family::Compositing => (COLOUR_BOUND_COMPOSITED, COLOUR_SHARE_COMPOSITED),
+            Family::Ordered | Family::Unordered => (COLOUR_BOUND_COMPOSITED, COLOUR_SHARE_COMPOSITED),
         };
         Self { colour, colour_share, inside_share }
     }
@@ -224,7 +224,7 @@ fn transmittance<B: Backend>(backend: &B, threads: Option<usize>) -> Result<Chec
     let mut seen = Moments::default();
     for seed in 0..FRAMES {
         let settings = Settings { size: SIZE, seed, ..Settings::default() };
-        let (planes, _) = picture(backend, &mut stage, &method, Antialiasing::None, settings, 1)?;
+        let (planes, _) = picture(backend, &mut stage, &method, Antialiasing::NONE, settings, 1)?;
         // Red and green layers before blue.
         planes.colour.as_slice().iter().for_each(|&[_, _, blue, _]| seen.add(blue.into()));
     }

@@ -15,8 +15,8 @@ use sheer_image::{Image, Planes};
 use sheer_metrics::statistics::{Moments, sidak_family, two_sided_z, z_score};
 use sheer_render::{
     Antialiasing, Background, Clock, FrameSettings, Settings, Stage,
-    contract::{Compositing, Fragment, Gathering, Memory, PixelSite},
-    cpu::render_compositing,
+    contract::{Fragment, Memory, OrderedCompositing, PixelSite, Traversal},
+    cpu::{OwnOrdered, render},
     temporal::jitter,
 };
 
@@ -90,7 +90,7 @@ fn settings(seed: u32) -> Settings {
 fn accumulate(stage: &mut Stage, method: &str, seed: u32) -> Result<Image<f64>> {
     let brightness =
         |planes: &Planes| planes.colour.map(|&[r, g, b, _]| f64::from(luminance([r, g, b].into())));
-    Ok(brightness(&play(stage, method, Antialiasing::Accumulate, settings(seed), FRAMES)?))
+    Ok(brightness(&play(stage, method, Antialiasing::ACCUMULATE, settings(seed), FRAMES)?))
 }
 
 /// What a pixel's brightness exactly is, over all frames: that of a fragment drawn with the probability that it is seen.
@@ -110,11 +110,11 @@ struct MomentsOfDraws;
 /// Visibility, and the three sums.
 type SeenSoFar = (f32, Vec3);
 
-impl Compositing for MomentsOfDraws {
+impl OrderedCompositing for MomentsOfDraws {
     type Pixel = SeenSoFar;
 
-    fn gathering(&self) -> Gathering {
-        Gathering::Sorted
+    fn traversal(&self) -> Traversal {
+        Traversal::Sorted
     }
 
     fn memory(&self) -> Memory {
@@ -128,7 +128,6 @@ impl Compositing for MomentsOfDraws {
     fn add(
         &self,
         (visibility, sums): &mut SeenSoFar,
-        _: usize,
         fragment: &Fragment<'_>,
         shade: impl FnOnce() -> Vec3,
     ) -> ControlFlow<()> {
@@ -143,7 +142,7 @@ impl Compositing for MomentsOfDraws {
         if *visibility > 0.0 { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
     }
 
-    fn transmittance(&self, _: &SeenSoFar, _: usize) -> f32 {
+    fn transmittance(&self, _: &SeenSoFar) -> f32 {
         0.0
     }
 
@@ -155,13 +154,13 @@ impl Compositing for MomentsOfDraws {
 /// What each pixel of the mean of all frames has to be.
 fn draws(stage: &mut Stage) -> Result<Image<Drawn>> {
     let settings = settings(0);
-    let clock = Clock::new(&settings, Antialiasing::Accumulate);
+    let clock = Clock::new(&settings, Antialiasing::ACCUMULATE);
     let mut drawn = Image::filled(SIZE[0], SIZE[1], Drawn::default())?;
     for frame in 0..FRAMES {
         stage.advance(clock.at(frame));
-        let jitter = jitter(Antialiasing::Accumulate, frame);
+        let jitter = jitter(Antialiasing::ACCUMULATE, frame);
         let frame_settings = FrameSettings { run: settings, frame, jitter };
-        let sums = render_compositing(stage, &MomentsOfDraws, &frame_settings)?.planes.colour;
+        let sums = render(stage, &OwnOrdered(MomentsOfDraws), &frame_settings)?.planes.colour;
         let frames = f64::from(FRAMES);
         for (pixel, sums) in drawn.as_mut_slice().iter_mut().zip(sums.as_slice()) {
             let [mean, square, greatest, _] = sums.map(f64::from);

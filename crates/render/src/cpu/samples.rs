@@ -19,11 +19,11 @@ pub(super) fn offsets(samples: Samples, jitter: Vec2) -> SampleOffsets {
         return vec![jitter];
     }
     let turned = |index: u32| (R2 * (index as f32 + 0.5) + jitter).rem_euclid(Vec2::ONE);
-    let place = |unit: Vec2| match samples.placement {
+    let offset = |unit: Vec2| match samples.placement {
         Placement::Centre | Placement::Box => unit - 0.5,
         Placement::Gaussian => unit.map(gaussian_quantile),
     };
-    let mut offsets: Vec<Vec2> = (0..samples.count).map(|index| place(turned(index))).collect();
+    let mut offsets: Vec<Vec2> = (0..samples.count).map(|index| offset(turned(index))).collect();
     offsets.sort_by(|a, b| a.length_squared().total_cmp(&b.length_squared()));
     offsets
 }
@@ -79,7 +79,7 @@ mod tests {
         let samples = Samples { count: 64, placement: Placement::Gaussian };
         let offsets: Vec<Vec2> = (0..64)
             .flat_map(|frame| {
-                offsets(samples, crate::temporal::jitter(crate::Antialiasing::Accumulate, frame))
+                offsets(samples, crate::temporal::jitter(crate::Antialiasing::ACCUMULATE, frame))
             })
             .collect();
         let variance = offsets.iter().map(|offset| *offset * *offset).sum::<Vec2>() / offsets.len() as f32;

@@ -23,13 +23,13 @@ pub const MIN_ROUGHNESS: f32 = 0.045;
 pub const SMOKE_WRAP: f32 = 0.6;
 /// Forward share of light that shines through a puff towards the viewer, and the width of that glow (Henyey-Greenstein 1941).
 pub const SMOKE_ANISOTROPY: f32 = 0.45;
-/// What a fibre does with light: the share reflected at its surface (refractive index 1.55, Marschner et al. 2003), and of what enters the
-/// shares that shine through it and that are reflected at its far side. The rest has gone from hair to hair and comes from everywhere. By eye:
-/// more of the first two makes fur look wet, less makes it felt.
+/// Share of the light that is reflected at the surface of a fibre (refractive index 1.55, Marschner et al. 2003). By eye: more of it and of
+/// [`FIBRE_THROUGH`] makes fur look wet, less makes it felt.
 pub const FIBRE_SURFACE: f32 = 0.0465;
-/// See [`FIBRE_SURFACE`].
+/// Share of the light that enters a fibre which shines through it. What neither does this nor is [`FIBRE_BACK`] has gone from hair to hair
+/// and comes from everywhere.
 pub const FIBRE_THROUGH: f32 = 0.30;
-/// See [`FIBRE_SURFACE`].
+/// Share of the light that enters a fibre which is reflected at its far side.
 pub const FIBRE_BACK: f32 = 0.15;
 /// How much the scales of a hair tilt its highlights towards the root, as the sine of an angle of about 3 degrees (Marschner et al. 2003).
 pub const FIBRE_TILT: f32 = 0.05;
@@ -38,7 +38,7 @@ pub const FIBRE_TILT: f32 = 0.05;
 struct Incident {
     /// Unit direction towards the light.
     to_light: Vec3,
-    /// World units.
+    /// Distance to the light, world units.
     distance: f32,
     /// Irradiance on a surface that faces the light.
     irradiance: Vec3,
@@ -145,7 +145,7 @@ struct Lobes {
     /// Specular reflectance at normal incidence.
     f0: Vec3,
     n_dot_v: f32,
-    /// Perceptual roughness.
+    /// Perceptual roughness, the square root of the width of the lobe.
     roughness: f32,
 }
 

@@ -107,7 +107,7 @@ impl Tracer<'_> {
             if alpha > 0.0 && alpha < 1.0 {
                 nearest_partial = nearest_partial.min(hit.t);
             }
-            keeps(alpha, || method.threshold(&self.site(method, at, camera_ray, hit), tables)[0])
+            keeps(alpha, || method.threshold(&self.site(method, at, camera_ray, hit), tables))
         });
         counters.camera_rays += 1;
         counters.hits += tested;
@@ -153,13 +153,13 @@ impl Tracer<'_> {
             let is_new = after.is_none_or(|after| is_behind(&hit, &after));
             let alpha = if is_new { correction.coverage(self.alpha(&hit)) } else { 0.0 };
             tested += u64::from(is_new);
-            let place = layers.partition_point(|layer| is_behind(&hit, &layer.hit));
-            let is_dropped = ended && place == layers.len();
+            let index = layers.partition_point(|layer| is_behind(&hit, &layer.hit));
+            let is_dropped = ended && index == layers.len();
             if alpha > 0.0 && !is_dropped {
-                let mut visibility = if place == 0 { 1.0 } else { layers[place - 1].visibility };
-                let mut count = place;
-                layers.insert(place, Layer { hit, alpha, visibility });
-                let end = layers[place..].iter_mut().position(|layer| {
+                let mut visibility = if index == 0 { 1.0 } else { layers[index - 1].visibility };
+                let mut count = index;
+                layers.insert(index, Layer { hit, alpha, visibility });
+                let end = layers[index..].iter_mut().position(|layer| {
                     visibility *= 1.0 - layer.alpha;
                     layer.visibility = visibility;
                     count += 1;
@@ -167,7 +167,7 @@ impl Tracer<'_> {
                 });
                 if let Some(end) = end {
                     ended = true;
-                    layers.truncate(place + end + 1);
+                    layers.truncate(index + end + 1);
                 }
             }
             layers.last().filter(|_| ended).map_or(f32::INFINITY, |layer| layer.hit.t)
@@ -178,22 +178,21 @@ impl Tracer<'_> {
         ended
     }
 
-    fn site(&self, method: &impl Threshold, at: [u32; 2], ray: &CameraRay, hit: &Hit) -> Site<1> {
-        let frame = self.stage.frame();
-        let object = frame.object(hit.triangle);
+    fn site(&self, method: &impl Threshold, at: [u32; 2], ray: &CameraRay, hit: &Hit) -> Site {
+        let object = self.stage.frame().object(hit.triangle);
         let (position_in_object, footprint_in_object) =
             if method.uses_object_space() { self.object_space(at, hit) } else { (Vec3::ZERO, 0.0) };
         Site {
-            pixel: at.map(|coordinate| [coordinate]),
+            pixel: at,
             frame: self.settings.frame,
             seed: self.settings.run.seed,
-            instance: [object.id],
-            geometry: [object.geometry],
-            primitive: [hit.triangle - object.first_triangle],
-            back: [u32::from(self.is_back(hit))],
-            position: (ray.origin + ray.direction * hit.t).to_array().map(|coordinate| [coordinate]),
-            position_in_object: position_in_object.to_array().map(|coordinate| [coordinate]),
-            footprint_in_object: [footprint_in_object],
+            instance: object.id,
+            geometry: object.geometry,
+            primitive: hit.triangle - object.first_triangle,
+            back: u32::from(self.is_back(hit)),
+            position: ray.origin + ray.direction * hit.t,
+            position_in_object,
+            footprint_in_object,
         }
     }
 }

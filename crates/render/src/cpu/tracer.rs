@@ -8,7 +8,7 @@ use sheer_scene::{CameraPose, CameraRay, FaceSide};
 
 use super::workspace::{Byproducts, Layer, Workspace};
 use crate::{
-    contract::MIN_ALPHA,
+    contract::{Fragment, MIN_ALPHA, PixelSite},
     settings::{Background, FrameSettings},
     shadow::Shadows,
     stage::Stage,
@@ -21,7 +21,7 @@ pub(super) struct Tracer<'a> {
     pub(super) shadows: &'a Shadows,
     /// Column and row of the pixel that is being traced.
     pub(super) pixel_at: [u32; 2],
-    /// Of what is held against a threshold.
+    /// The curve from opacity to the coverage that is held against a threshold.
     pub(super) correction: Correction,
     /// See [`crate::contract::PixelSite::depth_range`].
     pub(super) depth_range: [f32; 2],
@@ -132,6 +132,40 @@ impl<'a> Tracer<'a> {
         let alpha = self.stage.frame().opacity_for_camera(hit.triangle, hit.u, hit.v, hit.front);
         if alpha >= MIN_ALPHA { alpha } else { 0.0 }
     }
+
+    /// What a compositing method may know of a pixel before its first fragment.
+    pub(super) fn pixel_site(&self, at: [u32; 2]) -> PixelSite {
+        let (frame, seed) = (self.settings.frame, self.settings.run.seed);
+        PixelSite { pixel: at, frame, seed, depth_range: self.depth_range }
+    }
+
+    /// A hit as a fragment of `alpha` that covers the samples of a mask; `depths`: one a sample ray.
+    pub(super) fn fragment<'d>(
+        &self,
+        hit: &Hit,
+        alpha: f32,
+        coverage: u64,
+        depths: &'d [f32],
+    ) -> Fragment<'d> {
+        let object = self.stage.frame().object(hit.triangle);
+        Fragment {
+            alpha,
+            coverage,
+            depths,
+            order: hit.triangle,
+            instance: object.id,
+            geometry: object.geometry,
+            primitive: hit.triangle - object.first_triangle,
+            is_back: self.is_back(hit),
+        }
+    }
+
+    /// Distance along the view axis: never falls as `t` grows, rounding included.
+    pub(super) fn depth(&self, ray: &CameraRay, hit: &Hit) -> f32 {
+        let camera = self.stage.frame().camera();
+        let cosine = ray.direction.dot(camera.forward());
+        camera.view_depth(ray.origin) + hit.t * cosine
+    }
 }
 
 /// Whether a hit lies behind another in the order of all hits: by depth, then triangle.
@@ -139,7 +173,7 @@ pub(super) fn is_behind(hit: &Hit, other: &Hit) -> bool {
     (hit.t, hit.triangle) > (other.t, other.triangle)
 }
 
-/// A camera inside the scene sees things as near as you like; depths are told apart from this share of the furthest one on.
+/// A camera inside the scene sees things as near as you like; depths are distinguished from this share of the furthest one on.
 const NEAREST_SHARE: f32 = 1e-3;
 
 /// The depths between which all surfaces lie, along the view axis, from the lowest and highest corner of all triangles; both above 0.

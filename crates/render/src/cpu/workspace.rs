@@ -13,7 +13,7 @@ pub(super) struct SampleHit {
     pub(super) ray: u32,
 }
 
-/// A triangle as the pixel sees it: what a [`Fragment`] is made of.
+/// A triangle as the pixel sees it: what a [`Fragment`](crate::contract::Fragment) is made of.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Gathered {
     /// At the sample nearest to the pixel centre, where the fragment is shaded.
@@ -32,7 +32,7 @@ pub(super) struct Workspace {
     /// Nearest opaque hit, one a ray.
     pub(super) opaque: Vec<Option<Hit>>,
     pub(super) fragments: Vec<Gathered>,
-    /// One a fragment and ray.
+    /// Depths of all fragments, one for each sample ray.
     pub(super) depths: Vec<f32>,
     /// Hits front to back, for ordered gatherings.
     pub(super) sorted: Vec<(Hit, f32)>,
@@ -43,14 +43,14 @@ pub(super) struct Workspace {
 pub(super) struct Nanoseconds {
     /// Finding fragments and what is opaque, for the first pass.
     pub(super) gather: u64,
-    /// Each pass.
+    /// The passes of the method, one after the other.
     pub(super) passes: Vec<u64>,
     /// Shading the background and putting everything together.
     pub(super) composite: u64,
 }
 
 impl Nanoseconds {
-    /// The sum of both.
+    /// The costs of both, added up.
     pub(super) fn plus(mut self, other: &Self) -> Self {
         self.gather += other.gather;
         self.composite += other.composite;
@@ -71,7 +71,7 @@ pub(super) struct Byproducts {
 }
 
 impl Byproducts {
-    /// The sum of both.
+    /// The costs of both, added up.
     pub(super) fn plus(mut self, mut other: Self) -> Self {
         self.layer.append(&mut other.layer);
         Self { nanoseconds: self.nanoseconds.plus(&other.nanoseconds), layer: self.layer }

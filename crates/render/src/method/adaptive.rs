@@ -7,20 +7,24 @@
 use std::ops::ControlFlow;
 
 use glam::Vec3;
-use sheer_core::parameter::{ParameterInfo, ParameterRange, Values};
+use sheer_core::{
+    bibliography,
+    parameter::{ParameterInfo, ParameterRange, Values},
+};
 
 use crate::contract::{
-    Compositing, Fragment, Gathering, Memory, MethodInfo, PixelSite, RETRACE_PARAMETER, Visitor,
+    Fragment, Memory, MethodInfo, NoRaster, PixelSite, Raster, Retrace, UnorderedCompositing, Visitor,
 };
 
 /// The most steps that can be asked for.
 const MOST_NODES: usize = 32;
 
-/// Its entry in the table.
+/// The row of the method in lists and help, and what a GPU needs of it.
 pub const INFO: MethodInfo = MethodInfo {
     id: "adaptive",
     title: "visibility over depth in N steps, then the sum of all fragments by it: two passes",
     paper: "Salvi, Montgomery, Lefohn 2011, Adaptive Transparency",
+    works: &[&bibliography::SALVI_2011],
     bias: "beyond N fragments some are too dark, as steps of visibility are joined towards the eye; the background is exact",
     parameters: &[
         ParameterInfo {
@@ -29,22 +33,24 @@ pub const INFO: MethodInfo = MethodInfo {
             range: ParameterRange::Count(2, MOST_NODES as u32),
             what: "steps of the visibility function",
         },
-        RETRACE_PARAMETER,
+        Retrace::PARAMETER,
     ],
     alignment_px: 1,
+    constants: &[],
+    tables: &[],
 };
 
-/// Adaptive transparency.
+/// Adaptive transparency with a bound on the steps of its visibility function.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Adaptive {
     nodes: u32,
-    each_pass: bool,
+    retrace: Retrace,
 }
 
 /// A step: what is seen through everything up to it.
 #[derive(Clone, Copy, Debug)]
 struct Node {
-    place: (f32, u32),
+    sort_key: (f32, u32),
     transmittance: f32,
 }
 
@@ -60,11 +66,11 @@ pub struct Visibility {
 
 impl Adaptive {
     pub(crate) fn new(values: &Values) -> Self {
-        Self { nodes: values.count("nodes"), each_pass: values.text(RETRACE_PARAMETER.key) == "on" }
+        Self { nodes: values.count("nodes"), retrace: values.choice(Retrace::PARAMETER.key) }
     }
 
     pub(crate) fn accept<V: Visitor>(&self, visitor: V) -> V::Output {
-        visitor.compositing(self)
+        visitor.unordered(self)
     }
 }
 
@@ -79,15 +85,15 @@ impl Visibility {
     }
 
     /// What is seen of a fragment.
-    fn at(&self, place: (f32, u32)) -> f32 {
-        self.before(self.nodes().partition_point(|node| node.place < place))
+    fn at(&self, sort_key: (f32, u32)) -> f32 {
+        self.before(self.nodes().partition_point(|node| node.sort_key < sort_key))
     }
 
-    fn insert(&mut self, place: (f32, u32), transmittance: f32) {
-        let at = self.nodes().partition_point(|node| node.place <= place);
+    fn insert(&mut self, sort_key: (f32, u32), transmittance: f32) {
+        let at = self.nodes().partition_point(|node| node.sort_key <= sort_key);
         self.nodes.copy_within(at..self.len, at + 1);
         self.len += 1;
-        self.nodes[at] = Node { place, transmittance: self.before(at) };
+        self.nodes[at] = Node { sort_key, transmittance: self.before(at) };
         for node in &mut self.nodes[at..self.len] {
             node.transmittance *= transmittance;
         }
@@ -96,7 +102,7 @@ impl Visibility {
     /// Joins the step that matters least with the one in front of it. There are at least two.
     fn remove_least(&mut self) {
         let area = |pair: &[Node]| {
-            (pair[1].place.0 - pair[0].place.0) * (pair[0].transmittance - pair[1].transmittance)
+            (pair[1].sort_key.0 - pair[0].sort_key.0) * (pair[0].transmittance - pair[1].transmittance)
         };
         let areas = self.nodes().windows(2).map(area).enumerate();
         let least = areas.min_by(|(_, a), (_, b)| a.total_cmp(b)).map_or(0, |(at, _)| at);
@@ -107,11 +113,11 @@ impl Visibility {
     }
 }
 
-impl Compositing for Adaptive {
+impl UnorderedCompositing for Adaptive {
     type Pixel = Visibility;
 
-    fn gathering(&self) -> Gathering {
-        Gathering::Unordered { each_pass: self.each_pass }
+    fn retrace(&self) -> Retrace {
+        self.retrace
     }
 
     fn pass_count(&self) -> usize {
@@ -131,8 +137,12 @@ impl Compositing for Adaptive {
         Memory::Bounded(8 * self.nodes)
     }
 
+    fn raster(&self) -> Result<Raster, NoRaster> {
+        Ok(Raster::Lists)
+    }
+
     fn begin(&self, _: &PixelSite) -> Visibility {
-        let unused = Node { place: (f32::INFINITY, u32::MAX), transmittance: 1.0 };
+        let unused = Node { sort_key: (f32::INFINITY, u32::MAX), transmittance: 1.0 };
         Visibility { nodes: [unused; MOST_NODES + 1], len: 0, rgb_premul: Vec3::ZERO, removed_count: 0 }
     }
 
@@ -144,12 +154,12 @@ impl Compositing for Adaptive {
         shade: impl FnOnce() -> Vec3,
     ) -> ControlFlow<()> {
         if pass == 0 {
-            pixel.insert(fragment.place(0), 1.0 - fragment.alpha);
+            pixel.insert(fragment.sort_key(0), 1.0 - fragment.alpha);
             if pixel.len > self.nodes as usize {
                 pixel.remove_least();
             }
         } else {
-            pixel.rgb_premul += pixel.at(fragment.place(0)) * fragment.alpha * shade();
+            pixel.rgb_premul += pixel.at(fragment.sort_key(0)) * fragment.alpha * shade();
         }
         ControlFlow::Continue(())
     }

@@ -3,31 +3,43 @@
 use std::ops::ControlFlow;
 
 use glam::Vec3;
-use sheer_core::parameter::{ParameterInfo, ParameterRange, Values};
+use sheer_core::{bibliography, choice, parameter::Values};
 
 use crate::contract::{
-    Compositing, Fragment, Gathering, MIN_VISIBILITY, Memory, MethodInfo, PixelSite, Visitor,
+    Fragment, MIN_VISIBILITY, Memory, MethodInfo, OrderedCompositing, PixelSite, Traversal, Visitor,
 };
 
-/// Its entry in the table.
+choice! {
+    /// How the fragments are found.
+    enum Trace {
+        /// [`Traversal::Sorted`].
+        Sorted = "sorted",
+        /// [`Traversal::Continuation`].
+        Continuation = "continuation",
+    }
+}
+
+/// The row of the method in lists and help, and what a GPU needs of it.
 pub const INFO: MethodInfo = MethodInfo {
     id: "baseline",
     title: "every fragment shaded, front to back: the exact answer",
     paper: "Brüll, Kern, Grosch (STD), section 3.1",
+    works: &[&bibliography::STD],
     bias: "none; what lies behind a visibility of 0.001 is left out",
-    parameters: &[ParameterInfo {
-        key: "trace",
-        default: "sorted",
-        range: ParameterRange::Choice(&["sorted", "continuation"]),
-        what: "all hits in one traversal, then sorted; or ray after ray as the paper does: the same picture",
-    }],
+    parameters: &[Trace::parameter(
+        "trace",
+        Trace::Sorted,
+        "all hits in one traversal, then sorted; or ray after ray as the paper does: the same picture",
+    )],
     alignment_px: 1,
+    constants: &[],
+    tables: &[],
 };
 
-/// The exact answer.
+/// The exact answer, by either traversal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Baseline {
-    gathering: Gathering,
+    traversal: Traversal,
 }
 
 /// What remains visible and what has been seen.
@@ -39,30 +51,34 @@ pub struct Accumulated {
 
 impl Baseline {
     pub(crate) fn new(values: &Values) -> Self {
-        let gathering = match values.text("trace") {
-            "continuation" => Gathering::Continuation,
-            _ => Gathering::Sorted,
+        let traversal = match values.choice("trace") {
+            Trace::Sorted => Traversal::Sorted,
+            Trace::Continuation => Traversal::Continuation,
         };
-        Self { gathering }
+        Self { traversal }
     }
 
     pub(crate) fn accept<V: Visitor>(&self, visitor: V) -> V::Output {
-        visitor.compositing(self)
+        visitor.ordered(self)
     }
 }
 
-impl Compositing for Baseline {
+impl OrderedCompositing for Baseline {
     type Pixel = Accumulated;
 
-    fn gathering(&self) -> Gathering {
-        self.gathering
+    fn traversal(&self) -> Traversal {
+        self.traversal
+    }
+
+    fn is_exact(&self) -> bool {
+        true
     }
 
     fn memory(&self) -> Memory {
-        match self.gathering {
-            Gathering::Continuation => Memory::Bounded(0),
+        match self.traversal {
+            Traversal::Continuation => Memory::Bounded(0),
             // Depth, opacity and what to shade.
-            Gathering::Sorted | Gathering::Unordered { .. } => Memory::PerFragment(12),
+            Traversal::Sorted => Memory::PerFragment(12),
         }
     }
 
@@ -73,7 +89,6 @@ impl Compositing for Baseline {
     fn add(
         &self,
         pixel: &mut Accumulated,
-        _: usize,
         fragment: &Fragment<'_>,
         shade: impl FnOnce() -> Vec3,
     ) -> ControlFlow<()> {
@@ -82,7 +97,7 @@ impl Compositing for Baseline {
         if pixel.visibility > MIN_VISIBILITY { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
     }
 
-    fn transmittance(&self, pixel: &Accumulated, _: usize) -> f32 {
+    fn transmittance(&self, pixel: &Accumulated) -> f32 {
         pixel.visibility
     }
 

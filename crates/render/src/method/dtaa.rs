@@ -1,30 +1,33 @@
 //! Dither Temporal AA of Unreal Engine 4: thresholds from a 5×5 map that walks over the screen, the same for all objects (STD section 2.2,
 //! Listing 1).
 
-use std::array;
+use sheer_core::{bibliography, parameter::Values};
 
-use sheer_core::parameter::Values;
+use super::static_noise::{MIDDLE_CONSTANT, NOISE_OF_ALL, Noise};
+use crate::contract::{BLUE_NOISE_SIDE, MethodInfo, ShaderConstant, Site, Tables, Threshold, Visitor};
 
-use super::static_noise::{NOISE_OF_ALL, Noise};
-use crate::contract::{BLUE_NOISE_SIDE, MethodInfo, Site, Tables, Threshold, Visitor};
-
-/// Its entry in the table.
+/// The row of the method in lists and help, and what a GPU needs of it.
 pub const INFO: MethodInfo = MethodInfo {
     id: "dtaa",
     title: "five thresholds dithered over space and time, one map for all objects; one shaded fragment a pixel",
     paper: "Epic Games, DitherTemporalAA; Brüll, Kern, Grosch (STD), section 2.2",
+    works: &[&bibliography::EPIC_DITHER, &bibliography::STD],
     bias: "stacked layers share their thresholds: whatever is no more opaque than what lies before it is never seen",
     parameters: &[NOISE_OF_ALL],
     alignment_px: SIDE,
+    constants: &[SIDE_CONSTANT, ShaderConstant::count("DTAA_PERIOD_PX", PERIOD_PX), MIDDLE_CONSTANT],
+    tables: &[],
 };
 
 /// Rows and columns of the map, and how many thresholds it has.
 pub const SIDE: u32 = 5;
+/// [`SIDE`] for the shaders of all methods that take the map.
+pub(super) const SIDE_CONSTANT: ShaderConstant = ShaderConstant::count("DTAA_SIDE", SIDE);
 
 /// Columns after which both the map and the blue noise repeat.
-pub const PERIOD_PX: u32 = SIDE * BLUE_NOISE_SIDE;
+const PERIOD_PX: u32 = SIDE * BLUE_NOISE_SIDE;
 
-/// Dither Temporal AA.
+/// Dither Temporal AA with or without its blue noise.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dtaa {
     noise: Noise,
@@ -42,12 +45,11 @@ impl Dtaa {
 
 impl Threshold for Dtaa {
     #[inline]
-    fn threshold<const N: usize>(&self, site: &Site<N>, tables: &Tables) -> [f32; N] {
-        array::from_fn(|lane| {
-            // The listing draws nothing at random. A seed moves the whole pattern sideways, seed 0 leaves it in place.
-            let pixel = [site.pixel[0][lane] + site.seed % PERIOD_PX, site.pixel[1][lane]];
-            threshold(stratum(pixel, site.frame), self.noise.of_all(pixel, tables))
-        })
+    fn threshold(&self, site: &Site, tables: &Tables) -> f32 {
+        // The listing draws nothing at random. A seed moves the whole pattern sideways, seed 0 leaves it in place.
+        let [x, y] = site.pixel;
+        let pixel = [x + site.seed % PERIOD_PX, y];
+        threshold(stratum(pixel, site.frame), self.noise.of_all(pixel, tables))
     }
 }
 
@@ -73,7 +75,11 @@ mod tests {
         let printed = [[0, 1, 2, 3, 4], [2, 3, 4, 0, 1], [4, 0, 1, 2, 3], [1, 2, 3, 4, 0], [3, 4, 0, 1, 2]];
         for y in 0..10 {
             for x in 0..10 {
-                assert_eq!(stratum([x, y], 0), printed[y as usize % 5][x as usize % 5], "column {x}, row {y}");
+                assert_eq!(
+                    stratum([x, y], 0),
+                    printed[y as usize % 5][x as usize % 5],
+                    "column {x}, row {y}"
+                );
             }
         }
     }

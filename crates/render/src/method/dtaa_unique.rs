@@ -1,25 +1,29 @@
 //! DTAA*: the 5×5 map of DTAA with its five thresholds permuted at random for each object (STD sections 2.2 and 4).
 
-use std::array;
-
-use sheer_core::parameter::Values;
+use sheer_core::{bibliography, parameter::Values};
 
 use super::{
     dtaa,
-    object_draw::{IDENTITY, ObjectDraw, REHASH},
+    object_draw::{IDENTITY, ObjectDraw, REHASH, SECOND_DRAW_CONSTANT},
     roulette::HASH,
-    static_noise::{NOISE, Noise},
+    static_noise::{MIDDLE_CONSTANT, NOISE, Noise},
 };
-use crate::contract::{MethodInfo, Site, Tables, Threshold, Visitor};
+use crate::contract::{MethodInfo, ShaderConstant, ShaderTable, Site, Tables, Threshold, Visitor};
 
-/// Its entry in the table.
+/// The row of the method in lists and help, and what a GPU needs of it.
 pub const INFO: MethodInfo = MethodInfo {
     id: "dtaa-unique",
     title: "DTAA with the five thresholds permuted for each object (DTAA*); one shaded fragment a pixel",
     paper: "Brüll, Kern, Grosch (STD), sections 2.2 and 4",
+    works: &[&bibliography::STD],
     bias: "stacked layers: two of 120 permutations are not independent, so they hide one another too much or too little",
     parameters: &[HASH, IDENTITY, REHASH, NOISE],
     alignment_px: dtaa::SIDE,
+    constants: &[dtaa::SIDE_CONSTANT, SECOND_DRAW_CONSTANT, MIDDLE_CONSTANT, ShaderConstant::count("PERMUTATION_COUNT", PERMUTATION_COUNT as u32)],
+    tables: &[ShaderTable {
+        name: "TABLE_PERMUTATIONS",
+        words: || PERMUTATIONS.as_flattened().iter().copied().map(u32::from).collect(),
+    }],
 };
 
 /// Ways to order five thresholds.
@@ -47,13 +51,10 @@ impl DtaaUnique {
 
 impl Threshold for DtaaUnique {
     #[inline]
-    fn threshold<const N: usize>(&self, site: &Site<N>, tables: &Tables) -> [f32; N] {
-        array::from_fn(|lane| {
-            let pixel = [site.pixel[0][lane], site.pixel[1][lane]];
-            let permutation = PERMUTATIONS[self.draw.below(site, lane, PERMUTATION_COUNT as u32) as usize];
-            let stratum = permutation[dtaa::stratum(pixel, site.frame) as usize];
-            dtaa::threshold(u32::from(stratum), self.noise.of_hit(self.draw, site, lane, tables))
-        })
+    fn threshold(&self, site: &Site, tables: &Tables) -> f32 {
+        let permutation = PERMUTATIONS[self.draw.below(site, PERMUTATION_COUNT as u32) as usize];
+        let stratum = permutation[dtaa::stratum(site.pixel, site.frame) as usize];
+        dtaa::threshold(u32::from(stratum), self.noise.of_hit(self.draw, site, tables))
     }
 }
 

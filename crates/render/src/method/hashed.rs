@@ -9,20 +9,20 @@
 //! Deviations: cells are hashed as integers, as everywhere in Sheer; the object enters the hash, as equal objects on top of one another
 //! would mask each other otherwise; and the frame does, so that the mean over time converges.
 
-use std::array;
-
 use sheer_core::{
+    bibliography,
     hash::{BELOW_ONE, pcg3d, pcg4d, unit_from_bits},
     parameter::{ParameterInfo, ParameterRange, Values},
 };
 
-use crate::contract::{MethodInfo, Site, Tables, Threshold, Visitor};
+use crate::contract::{MethodInfo, ShaderConstant, Site, Tables, Threshold, Visitor};
 
-/// Its entry in the table.
+/// The row of the method in lists and help, and what a GPU needs of it.
 pub const INFO: MethodInfo = MethodInfo {
     id: "hashed",
     title: "thresholds hashed from the place on the object, drawn anew each frame; one shaded fragment a pixel",
     paper: "Wyman, McGuire, Hashed Alpha Testing, 2017",
+    works: &[&bibliography::WYMAN_MCGUIRE_2017],
     bias: "none; white noise in grains of one to two pixels",
     parameters: &[ParameterInfo {
         key: "scale",
@@ -31,12 +31,14 @@ pub const INFO: MethodInfo = MethodInfo {
         what: "size of the grains, pixels",
     }],
     alignment_px: 1,
+    constants: &[ShaderConstant::real("MAX_LEVEL", MAX_LEVEL)],
+    tables: &[],
 };
 
 /// Octaves below and above an object unit within which cells are told apart.
-pub const MAX_LEVEL: f32 = 40.0;
+const MAX_LEVEL: f32 = 40.0;
 
-/// Hashed alpha testing.
+/// Hashed alpha testing with grains of a size.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hashed {
     scale_px: f32,
@@ -53,17 +55,16 @@ impl Hashed {
 
     /// The blend of both cells' numbers, and the weight of the smaller cell.
     #[inline]
-    fn blend<const N: usize>(self, site: &Site<N>, lane: usize) -> (f32, f32) {
+    fn blend(self, site: &Site) -> (f32, f32) {
         // Cells in an object unit, as an octave.
-        let level = -(site.footprint_in_object[lane] * self.scale_px).log2();
+        let level = -(site.footprint_in_object * self.scale_px).log2();
         let level = level.clamp(-MAX_LEVEL, MAX_LEVEL);
         let larger = level.floor();
-        let [object, ..] = pcg3d([site.instance[lane], site.geometry[lane] << 1 | site.back[lane], site.seed]);
+        let [object, ..] = pcg3d([site.instance, site.geometry << 1 | site.back, site.seed]);
         let [larger_draw, smaller_draw] = [larger, larger + 1.0].map(|octave| {
-            let [x, y, z] = [0, 1, 2].map(|axis| {
-                // Wraps around far away, where a saturating conversion would put all places into one cell.
-                (site.position_in_object[axis][lane] * octave.exp2()).floor() as i64 as u32
-            });
+            // Wraps around far away, where a saturating conversion would put all places into one cell.
+            let cell = |coordinate: f32| (coordinate * octave.exp2()).floor() as i64 as u32;
+            let [x, y, z] = site.position_in_object.to_array().map(cell);
             let [moment, ..] = pcg3d([object, site.frame, octave as i32 as u32]);
             unit_from_bits(pcg4d([x, y, z, moment])[3])
         });
@@ -78,11 +79,9 @@ impl Threshold for Hashed {
     }
 
     #[inline]
-    fn threshold<const N: usize>(&self, site: &Site<N>, _: &Tables) -> [f32; N] {
-        array::from_fn(|lane| {
-            let (blend, weight) = self.blend(site, lane);
-            uniform_from_blend(blend, weight).min(BELOW_ONE)
-        })
+    fn threshold(&self, site: &Site, _: &Tables) -> f32 {
+        let (blend, weight) = self.blend(site);
+        uniform_from_blend(blend, weight).min(BELOW_ONE)
     }
 }
 
@@ -103,6 +102,7 @@ fn uniform_from_blend(blend: f32, weight: f32) -> f32 {
 
 #[cfg(test)]
 mod tests {
+    use glam::Vec3;
     use sheer_core::hash::Pcg32;
 
     use super::*;
@@ -110,11 +110,11 @@ mod tests {
     const HASHED: Hashed = Hashed { scale_px: 1.0 };
 
     /// Far more places than cells would repeat, all seen at one weight between two sizes of cells.
-    fn sites(weight: f32) -> impl Iterator<Item = Site<1>> {
+    fn sites(weight: f32) -> impl Iterator<Item = Site> {
         let mut random = Pcg32::new(1, 0);
         (0..1 << 16).map(move |_| Site {
-            position_in_object: [(); 3].map(|()| [random.range(-1e4, 1e4)]),
-            footprint_in_object: [(-3.0 - weight).exp2()],
+            position_in_object: [(); 3].map(|()| random.range(-1e4, 1e4)).into(),
+            footprint_in_object: (-3.0 - weight).exp2(),
             ..Site::default()
         })
     }
@@ -133,10 +133,10 @@ mod tests {
     fn thresholds_are_uniform_at_every_distance_and_the_bare_blend_is_not() {
         let tables = Tables::get();
         for weight in [0.0, 0.1, 0.25, 0.5, 0.75, 0.9] {
-            let z = chi_square_z(sites(weight).map(|site| HASHED.threshold(&site, &tables)[0]));
+            let z = chi_square_z(sites(weight).map(|site| HASHED.threshold(&site, &tables)));
             assert!(z.abs() < 4.0, "weight {weight}: z = {z}");
             if weight > 0.0 {
-                let z = chi_square_z(sites(weight).map(|site| HASHED.blend(&site, 0).0));
+                let z = chi_square_z(sites(weight).map(|site| HASHED.blend(&site).0));
                 assert!(z > 20.0, "weight {weight}: z = {z}, the test is blind");
             }
         }
@@ -147,7 +147,8 @@ mod tests {
         for weight in [0.0, 1e-6, 0.1, 0.5, 0.7, 1.0] {
             assert_eq!(uniform_from_blend(0.0, weight), 0.0);
             assert!((uniform_from_blend(1.0, weight) - 1.0).abs() < 1e-6);
-            let steps: Vec<f32> = (0..=1000).map(|step| uniform_from_blend(step as f32 / 1e3, weight)).collect();
+            let steps: Vec<f32> =
+                (0..=1000).map(|step| uniform_from_blend(step as f32 / 1e3, weight)).collect();
             assert!(steps.windows(2).all(|pair| (0.0..0.003).contains(&(pair[1] - pair[0]))), "{weight}");
         }
     }
@@ -156,12 +157,12 @@ mod tests {
     fn within_a_cell_of_both_sizes_the_threshold_is_one_and_the_same() {
         let at = |x: f32, frame| {
             let site = Site {
-                position_in_object: [[x], [0.3], [0.3]],
-                footprint_in_object: [0.7],
+                position_in_object: Vec3::new(x, 0.3, 0.3),
+                footprint_in_object: 0.7,
                 frame,
                 ..Site::default()
             };
-            HASHED.threshold(&site, &Tables::get())[0]
+            HASHED.threshold(&site, &Tables::get())
         };
         // Cells of a half and of one unit.
         assert_eq!(at(0.05, 0), at(0.45, 0));
@@ -173,8 +174,8 @@ mod tests {
     #[test]
     fn a_footprint_of_any_size_gives_a_threshold() {
         for footprint in [0.0, f32::MIN_POSITIVE, 1e30, f32::MAX, f32::INFINITY] {
-            let site = Site { footprint_in_object: [footprint], ..Site::default() };
-            let [threshold] = HASHED.threshold(&site, &Tables::get());
+            let site = Site { footprint_in_object: footprint, ..Site::default() };
+            let threshold = HASHED.threshold(&site, &Tables::get());
             assert!((0.0..1.0).contains(&threshold), "{footprint}: {threshold}");
         }
     }

@@ -1,34 +1,43 @@
-//! The k-buffer: places for k fragments, sorted; when they are full the nearest is blended into the picture and makes room (Bavoil et al.
+//! The k-buffer: k fragments, sorted; when there is one too many the nearest is blended into the picture and makes room (Bavoil et al.
 //! 2007).
 //!
-//! That is exact where fragments come nearly sorted, none of them more than k places from where it belongs, and the paper sorts geometry
+//! That is exact where fragments come nearly sorted, none of them more than k positions from where it belongs, and the paper sorts geometry
 //! beforehand for it. Here it comes in any order: what arrives too late is blended behind what it should hide. To merge the furthest
 //! instead is multi-layer alpha blending, which has a name of its own in the table.
 
 use std::ops::ControlFlow;
 
 use glam::Vec3;
-use sheer_core::parameter::{ParameterInfo, ParameterRange, Values};
+use sheer_core::{
+    bibliography,
+    parameter::{ParameterInfo, ParameterRange, Values},
+};
 
-use super::stack::{Layer, MOST_PLACES, Stack};
-use crate::contract::{Compositing, Fragment, Gathering, Memory, MethodInfo, PixelSite, Visitor};
+use super::stack::{Layer, MOST_LAYERS, Stack};
+use crate::contract::{
+    Blend, Fragment, Memory, MethodInfo, NoRaster, Passes, PixelSite, Raster, Resource, Step, TargetFormat,
+    UnorderedCompositing, Visitor, Work,
+};
 
-/// Its entry in the table.
+/// The row of the method in lists and help, and what a GPU needs of it.
 pub const INFO: MethodInfo = MethodInfo {
     id: "kbuffer",
     title: "k fragments sorted; of one too many the nearest is blended into the picture",
     paper: "Bavoil et al. 2007, Multi-Fragment Effects on the GPU Using the k-Buffer",
+    works: &[&bibliography::BAVOIL_2007],
     bias: "a fragment that comes more than k places too late is blended behind what it should hide; nothing is dropped",
     parameters: &[ParameterInfo {
         key: "k",
         default: "8",
-        range: ParameterRange::Count(1, MOST_PLACES),
+        range: ParameterRange::Count(1, MOST_LAYERS),
         what: "places for fragments",
     }],
     alignment_px: 1,
+    constants: &[],
+    tables: &[],
 };
 
-/// The k-buffer.
+/// The k-buffer with room for `k` fragments.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Kbuffer {
     k: u32,
@@ -48,7 +57,7 @@ impl Kbuffer {
     }
 
     pub(crate) fn accept<V: Visitor>(&self, visitor: V) -> V::Output {
-        visitor.compositing(self)
+        visitor.unordered(self)
     }
 
     fn all(pixel: &Kept) -> Layer {
@@ -56,20 +65,37 @@ impl Kbuffer {
     }
 }
 
-impl Compositing for Kbuffer {
+impl UnorderedCompositing for Kbuffer {
     type Pixel = Kept;
-
-    fn gathering(&self) -> Gathering {
-        Gathering::Unordered { each_pass: false }
-    }
 
     fn is_order_independent(&self) -> bool {
         false
     }
 
     fn memory(&self) -> Memory {
-        // A place: colour and transmittance in 16-bit floats, depth. What has been blended has no depth.
+        // A fragment: colour and transmittance in 16-bit floats, depth. What has been blended has no depth.
         Memory::Bounded(12 * self.k + 8)
+    }
+
+    /// The k nearest depths are found first, then the fragments that have them; all others are summed up without order.
+    fn raster(&self) -> Result<Raster, NoRaster> {
+        let bytes_per_pixel = u64::from(4 * self.k);
+        let resources = vec![
+            Resource::Storage { label: "kept depths", bytes_per_pixel },
+            Resource::Storage { label: "kept triangles", bytes_per_pixel },
+            Resource::sums("tail sums", TargetFormat::Rgba16Float),
+            Resource::products("tail transmittance", TargetFormat::R16Float),
+        ];
+        let draw = |name, entry_point, bound| {
+            let targets = vec![(2, Some(Blend::Add)), (3, Some(Blend::Multiply))];
+            Step { name, entry_point, work: Work::Draw { targets, depth: None }, bound }
+        };
+        let steps = vec![
+            draw("keep", "fs_keep", vec![(1, 0)]),
+            draw("claim", "fs_claim", vec![(1, 0), (2, 1)]),
+            Step::last(vec![(2, 1), (3, 2), (4, 3)]),
+        ];
+        Ok(Raster::Passes(Passes { resources, steps, constants: Vec::new() }))
     }
 
     fn begin(&self, _: &PixelSite) -> Kept {

@@ -3,30 +3,35 @@
 use std::ops::ControlFlow;
 
 use glam::Vec3;
-use sheer_core::parameter::{ParameterInfo, ParameterRange, Values};
-
-use crate::contract::{
-    Compositing, Fragment, Gathering, Memory, MethodInfo, PixelSite, Placement, Samples, Visitor,
+use sheer_core::{
+    bibliography,
+    parameter::{ParameterInfo, ParameterRange, Values},
 };
 
-/// Its entry in the table.
+use crate::contract::{
+    Fragment, Memory, MethodInfo, NoRaster, PixelSite, Placement, Raster, Samples, UnorderedCompositing,
+    Visitor,
+};
+
+/// The row of the method in lists and help, and what a GPU needs of it.
 pub const INFO: MethodInfo = MethodInfo {
     id: "list",
     title: "every fragment stored in a list a pixel, then sorted and blended: exact, without a bound on memory",
     paper: "Carpenter 1984, The A-buffer, an Antialiased Hidden Surface Method",
+    works: &[&bibliography::CARPENTER_1984],
     bias: "none",
-    parameters: &[
-        ParameterInfo {
-            key: "samples",
-            default: "1",
-            range: ParameterRange::Count(1, Samples::MOST),
-            what: "samples spread over the pixel, each of which blends the fragments that cover it: exact edges; 1: the pixel's one ray",
-        },
-    ],
+    parameters: &[ParameterInfo {
+        key: "samples",
+        default: "1",
+        range: ParameterRange::Count(1, Samples::MOST),
+        what: "samples spread over the pixel, each of which blends the fragments that cover it: exact edges; 1: the pixel's one ray",
+    }],
     alignment_px: 1,
+    constants: &[],
+    tables: &[],
 };
 
-/// The A-buffer.
+/// The A-buffer with a number of samples a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct List {
     samples: Samples,
@@ -38,8 +43,9 @@ struct Entry {
     coverage: u64,
     alpha: f32,
     rgb_straight: Vec3,
-    /// Where its depths begin, and its place among equal ones.
+    /// Index of its first depth in [`Fragments::depths`].
     first_depth: usize,
+    /// Breaks ties of equal depths: [`Fragment::order`].
     order: u32,
 }
 
@@ -47,7 +53,7 @@ struct Entry {
 #[derive(Clone, Debug, Default)]
 pub struct Fragments {
     entries: Vec<Entry>,
-    /// As many a fragment as the pixel has rays.
+    /// Depths of all entries, one after the other: as many for each as the pixel has rays.
     depths: Vec<f32>,
 }
 
@@ -71,16 +77,12 @@ impl List {
     }
 
     pub(crate) fn accept<V: Visitor>(&self, visitor: V) -> V::Output {
-        visitor.compositing(self)
+        visitor.unordered(self)
     }
 }
 
-impl Compositing for List {
+impl UnorderedCompositing for List {
     type Pixel = Fragments;
-
-    fn gathering(&self) -> Gathering {
-        Gathering::Unordered { each_pass: false }
-    }
 
     fn samples(&self) -> Samples {
         self.samples
@@ -90,6 +92,15 @@ impl Compositing for List {
         // Colour and alpha in 16-bit floats, depth, link to the next; of several samples a mask, and a depth each.
         let samples = self.samples.count;
         Memory::PerFragment(if samples == 1 { 16 } else { 12 + samples.div_ceil(8) + 4 * samples })
+    }
+
+    fn raster(&self) -> Result<Raster, NoRaster> {
+        if self.samples.count > 1 {
+            let what =
+                "it blends several samples a pixel, and the list of a pixel on a GPU has one".to_owned();
+            return Err(NoRaster { what, instead: Some("take samples=1 with -a taa") });
+        }
+        Ok(Raster::Lists)
     }
 
     fn begin(&self, _: &PixelSite) -> Fragments {
@@ -106,9 +117,9 @@ impl Compositing for List {
         let &Fragment { coverage, alpha, depths, order, .. } = fragment;
         let first_depth = pixel.depths.len();
         pixel.depths.extend_from_slice(depths);
-        let place = |entry: &Entry| (pixel.depths[entry.first_depth], entry.order);
+        let sort_key = |entry: &Entry| (pixel.depths[entry.first_depth], entry.order);
         // In one order whatever that of arrival, so that not even rounding tells them apart; of one sample it is the final one.
-        let at = pixel.entries.partition_point(|other| place(other) < (depths[0], order));
+        let at = pixel.entries.partition_point(|other| sort_key(other) < (depths[0], order));
         pixel.entries.insert(at, Entry { coverage, alpha, rgb_straight: shade(), first_depth, order });
         ControlFlow::Continue(())
     }

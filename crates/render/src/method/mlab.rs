@@ -6,27 +6,35 @@
 use std::ops::ControlFlow;
 
 use glam::Vec3;
-use sheer_core::parameter::{ParameterInfo, ParameterRange, Values};
+use sheer_core::{
+    bibliography,
+    parameter::{ParameterInfo, ParameterRange, Values},
+};
 
-use super::stack::{Layer, MOST_PLACES, Stack};
-use crate::contract::{Compositing, Fragment, Gathering, Memory, MethodInfo, PixelSite, Visitor};
+use super::stack::{Layer, MOST_LAYERS, Stack};
+use crate::contract::{
+    Fragment, Memory, MethodInfo, NoRaster, PixelSite, Raster, UnorderedCompositing, Visitor,
+};
 
-/// Its entry in the table.
+/// The row of the method in lists and help, and what a GPU needs of it.
 pub const INFO: MethodInfo = MethodInfo {
     id: "mlab",
     title: "k layers a pixel; of one too many the two furthest are blended into one",
     paper: "Salvi, Vaidyanathan 2014, Multi-Layer Alpha Blending",
+    works: &[&bibliography::SALVI_VAIDYANATHAN_2014],
     bias: "what belongs inside a blended layer comes behind it; nothing is dropped",
     parameters: &[ParameterInfo {
         key: "k",
         default: "4",
-        range: ParameterRange::Count(1, MOST_PLACES),
+        range: ParameterRange::Count(1, MOST_LAYERS),
         what: "layers",
     }],
     alignment_px: 1,
+    constants: &[],
+    tables: &[],
 };
 
-/// Multi-layer alpha blending.
+/// Multi-layer alpha blending with `k` layers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mlab {
     k: u32,
@@ -45,16 +53,12 @@ impl Mlab {
     }
 
     pub(crate) fn accept<V: Visitor>(&self, visitor: V) -> V::Output {
-        visitor.compositing(self)
+        visitor.unordered(self)
     }
 }
 
-impl Compositing for Mlab {
+impl UnorderedCompositing for Mlab {
     type Pixel = Layers;
-
-    fn gathering(&self) -> Gathering {
-        Gathering::Unordered { each_pass: false }
-    }
 
     fn is_order_independent(&self) -> bool {
         false
@@ -63,6 +67,10 @@ impl Compositing for Mlab {
     fn memory(&self) -> Memory {
         // A layer: colour and transmittance in 16-bit floats, depth.
         Memory::Bounded(12 * self.k)
+    }
+
+    fn raster(&self) -> Result<Raster, NoRaster> {
+        Ok(Raster::Lists)
     }
 
     fn begin(&self, _: &PixelSite) -> Layers {

@@ -5,12 +5,12 @@ use ::std::{fmt, str::FromStr};
 
 use sheer_core::{
     coverage::Correction,
-    parameter::{ParameterInfo, Values, split_name},
+    parameter::{ParameterInfo, ParameterRange, Values, split_name},
 };
 
 use crate::contract::{
-    ALIGNMENT_PARAMETER, Alignment, AlignmentRule, CORRECTION_PARAMETER, Compositing, Hybrid, Memory,
-    MethodInfo, Selection, Threshold, Visitor,
+    Alignment, AlignmentRule, CORRECTION_PARAMETER, Hybrid, Memory, MethodInfo, OrderedCompositing,
+    Selection, Threshold, UnorderedCompositing, Visitor, correction,
 };
 
 /// Why there is no such method.
@@ -21,13 +21,13 @@ pub enum MethodError {
     Unknown {
         /// What was asked for.
         name: String,
-        /// All names.
+        /// The names of all methods, separated by commas.
         known: String,
     },
     /// A key or a value is off.
     #[error("method '{method}': {problem}")]
     Parameter {
-        /// Its name.
+        /// The name of the method.
         method: &'static str,
         /// What is wrong and what is allowed.
         problem: String,
@@ -37,21 +37,32 @@ pub enum MethodError {
 /// The contract that a method fulfils.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Family {
-    /// [`Threshold`].
+    /// A threshold for each hit: [`Threshold`].
     Threshold,
-    /// [`Selection`].
+    /// A threshold for each pixel: [`Selection`].
     Selection,
-    /// [`Compositing`].
-    Compositing,
+    /// Fragments added up front to back: [`OrderedCompositing`].
+    Ordered,
+    /// Fragments added up in any order: [`UnorderedCompositing`].
+    Unordered,
 }
 
 impl Family {
+    /// Whether one fragment a pixel is shaded, and not several added up.
+    #[must_use]
+    pub fn shades_one_fragment(self) -> bool {
+        match self {
+            Self::Threshold | Self::Selection => true,
+            Self::Ordered | Self::Unordered => false,
+        }
+    }
+
     /// All keys of a method of this family: its own, then those that families of one shaded fragment have in common.
     fn parameters(self, info: &MethodInfo) -> Vec<ParameterInfo> {
-        if self == Self::Compositing {
+        if !self.shades_one_fragment() {
             return info.parameters.to_vec();
         }
-        let alignment = if info.alignment_px > 1 { &[ALIGNMENT_PARAMETER][..] } else { &[] };
+        let alignment = if info.alignment_px > 1 { &[AlignmentRule::PARAMETER][..] } else { &[] };
         [info.parameters, Hybrid::PARAMETERS, &[CORRECTION_PARAMETER], alignment].concat()
     }
 }
@@ -70,7 +81,11 @@ impl Visitor for MemoryOf {
         Memory::Bounded(0)
     }
 
-    fn compositing(self, method: &impl Compositing) -> Memory {
+    fn ordered(self, method: &impl OrderedCompositing) -> Memory {
+        method.memory()
+    }
+
+    fn unordered(self, method: &impl UnorderedCompositing) -> Memory {
         method.memory()
     }
 }
@@ -88,14 +103,18 @@ impl Visitor for FamilyOf {
         Family::Selection
     }
 
-    fn compositing(self, _: &impl Compositing) -> Family {
-        Family::Compositing
+    fn ordered(self, _: &impl OrderedCompositing) -> Family {
+        Family::Ordered
+    }
+
+    fn unordered(self, _: &impl UnorderedCompositing) -> Family {
+        Family::Unordered
     }
 }
 
-pub mod object_draw;
+mod object_draw;
 mod stack;
-pub mod static_noise;
+mod static_noise;
 
 macro_rules! methods {
     ($($module:ident :: $name:ident),+ $(,)?) => {
@@ -121,7 +140,7 @@ macro_rules! methods {
         pub const METHODS: &[MethodInfo] = &[$($module::INFO),+];
 
         impl Method {
-            /// Its entry in the table.
+            /// What lists and help say of it, and what a GPU needs of it.
             #[must_use]
             pub fn info(&self) -> &'static MethodInfo {
                 match self.kind {
@@ -147,9 +166,10 @@ macro_rules! methods {
                     let family = $module::$name::new(&defaults).accept(FamilyOf);
                     let values = Values::parse(&family.parameters(&$module::INFO), settings)
                         .map_err(|problem| MethodError::Parameter { method: $module::INFO.id, problem })?;
-                    let (hybrid, correction) = match family {
-                        Family::Compositing => (Hybrid::NONE, Correction::NONE),
-                        Family::Threshold | Family::Selection => (Hybrid::new(&values), correction(&values)),
+                    let (hybrid, correction) = if family.shades_one_fragment() {
+                        (Hybrid::new(&values), correction(&values))
+                    } else {
+                        (Hybrid::NONE, Correction::NONE)
                     };
                     let alignment = alignment(&$module::INFO, &values);
                     let kind = Kind::$name($module::$name::new(&values));
@@ -215,7 +235,7 @@ impl Method {
         self.hybrid
     }
 
-    /// From opacity to the coverage that is held against thresholds.
+    /// The curve from opacity to the coverage that is held against thresholds.
     #[must_use]
     pub fn correction(&self) -> Correction {
         self.correction
@@ -227,20 +247,28 @@ impl Method {
         self.alignment
     }
 
-    /// The method with a correction of the caller's own; it prints as `text` from now on. A [`Family::Compositing`] method has no threshold
-    /// and renders as before.
+    /// The method with a correction of the caller's own; it prints as `text` from now on. A method that composites has no threshold and
+    /// renders as before.
     #[must_use]
     pub fn with_correction(self, correction: Correction, text: impl Into<String>) -> Self {
         Self { correction, text: text.into(), ..self }
     }
 }
 
-/// The correction that a word stands for.
-fn correction(values: &Values) -> Correction {
-    match values.text(CORRECTION_PARAMETER.key) {
-        "dlss" => Correction::DLSS,
-        _ => Correction::NONE,
-    }
+/// Every method of the table with its defaults, followed by itself with each other word of each of its own choices.
+pub fn variants() -> impl Iterator<Item = Method> {
+    let texts = METHODS.iter().flat_map(|info| {
+        let words = info.parameters.iter().flat_map(|parameter| {
+            let words = match parameter.range {
+                ParameterRange::Choice(words) => words,
+                ParameterRange::Count(..) | ParameterRange::Real(..) => &[],
+            };
+            let others = words.iter().filter(|word| **word != parameter.default);
+            others.map(|word| format!("{}:{}={word}", info.id, parameter.key))
+        });
+        ::std::iter::once(info.id.to_owned()).chain(words)
+    });
+    texts.map(|text| text.parse().expect("the table's own words are known"))
 }
 
 /// The alignment that a method's user wants; a hybrid that is exact all through has no pattern to align to.
@@ -248,7 +276,7 @@ fn alignment(info: &MethodInfo, values: &Values) -> Alignment {
     if info.alignment_px == 1 || Hybrid::new(values) == Hybrid::EXACT {
         return Alignment::NONE;
     }
-    match AlignmentRule::new(values) {
+    match values.choice(AlignmentRule::PARAMETER.key) {
         AlignmentRule::Off => Alignment::NONE,
         rule => Alignment { side_px: info.alignment_px, rule },
     }
@@ -262,6 +290,8 @@ impl fmt::Display for Method {
 
 #[cfg(test)]
 mod tests {
+    use sheer_core::parameter::Choice as _;
+
     use super::*;
 
     #[test]
@@ -271,6 +301,27 @@ mod tests {
             assert_eq!(method.info().id, info.id);
             assert_eq!(method.to_string(), info.id);
         }
+    }
+
+    /// The text of a list names each work that stands in the bibliography for it.
+    #[test]
+    fn every_paper_names_its_works_and_no_other() {
+        for info in METHODS {
+            assert_eq!(info.works.is_empty(), info.paper == "own", "{}", info.id);
+            for work in info.works {
+                let name = work.abbreviation.unwrap_or(work.first_author());
+                assert!(info.paper.contains(name), "{}: {} does not name {name}", info.id, info.paper);
+            }
+        }
+    }
+
+    #[test]
+    fn variants_have_each_word_once() {
+        let of_roulette: Vec<String> = variants()
+            .filter(|method| method.info().id == "roulette")
+            .map(|method| method.to_string())
+            .collect();
+        assert_eq!(of_roulette, ["roulette", "roulette:hash=mcguire"]);
     }
 
     #[test]
@@ -298,7 +349,7 @@ mod tests {
         for info in METHODS {
             let hybrid = format!("{}:hybrid=0.5,layers=4", info.id).parse::<Method>();
             let family = info.id.parse::<Method>().unwrap().family();
-            assert_eq!(hybrid.is_ok(), family != Family::Compositing, "{}", info.id);
+            assert_eq!(hybrid.is_ok(), family.shades_one_fragment(), "{}", info.id);
             if let Ok(method) = hybrid {
                 assert_eq!(method.hybrid(), Hybrid { visibility: 0.5, layers: Some(4) });
             }
@@ -308,16 +359,12 @@ mod tests {
     #[test]
     fn alignment_can_be_chosen_where_there_is_any() {
         for info in METHODS {
-            assert_eq!(
-                info.id.parse::<Method>().unwrap().alignment().side_px,
-                info.alignment_px,
-                "{}",
-                info.id
-            );
+            let side_px = info.id.parse::<Method>().unwrap().alignment().side_px;
+            assert_eq!(side_px, info.alignment_px, "{}", info.id);
             if let Ok(exact) = format!("{}:hybrid=0", info.id).parse::<Method>() {
                 assert_eq!(exact.alignment(), Alignment::NONE, "{}", info.id);
             }
-            for rule in AlignmentRule::ALL {
+            for &rule in AlignmentRule::ALL {
                 let chosen = format!("{}:align={}", info.id, rule.word()).parse::<Method>();
                 assert_eq!(chosen.is_ok(), info.alignment_px > 1, "{}", info.id);
                 let Ok(method) = chosen else { continue };
@@ -333,7 +380,7 @@ mod tests {
             let corrected = format!("{}:correction=dlss", info.id).parse::<Method>();
             let plain = info.id.parse::<Method>().unwrap();
             assert_eq!(plain.correction(), Correction::NONE);
-            assert_eq!(corrected.is_ok(), plain.family() != Family::Compositing, "{}", info.id);
+            assert_eq!(corrected.is_ok(), plain.family().shades_one_fragment(), "{}", info.id);
             if let Ok(method) = corrected {
                 assert_eq!(method.correction(), Correction::DLSS);
             }

@@ -10,28 +10,28 @@
 use std::ops::ControlFlow;
 
 use glam::Vec3;
-use sheer_core::parameter::{ParameterInfo, ParameterRange, Values};
+use sheer_core::{
+    bibliography, choice,
+    parameter::{ParameterInfo, ParameterRange, Values},
+};
 
 use self::hamburger::Problem;
 use crate::contract::{
-    Compositing, Fragment, Gathering, Memory, MethodInfo, PixelSite, RETRACE_PARAMETER, Visitor,
+    Blend, Fragment, Memory, MethodInfo, NoRaster, Passes, PixelSite, Raster, Resource, Retrace,
+    ShaderConstant, ShaderValue, Step, TargetFormat, UnorderedCompositing, Visitor, Work,
 };
 
 mod hamburger;
 
-/// Its entry in the table.
+/// The row of the method in lists and help, and what a GPU needs of it.
 pub const INFO: MethodInfo = MethodInfo {
     id: "moments",
     title: "visibility from 4, 6 or 8 moments of absorbance over depth: two additive passes",
     paper: "Münstermann, Krumpen, Klein, Peters 2018, Moment-Based Order-Independent Transparency",
+    works: &[&bibliography::MUENSTERMANN_2018],
     bias: "visibility is smoothed over depth, so that colours of several layers mix; the background is exact",
     parameters: &[
-        ParameterInfo {
-            key: "order",
-            default: "4",
-            range: ParameterRange::Choice(&["4", "6", "8"]),
-            what: "power moments",
-        },
+        Order::parameter("order", Order::Four, "power moments"),
         ParameterInfo {
             key: "overestimation",
             // The paper's, section 3.
@@ -39,17 +39,52 @@ pub const INFO: MethodInfo = MethodInfo {
             range: ParameterRange::Real(0.0, 1.0),
             what: "share of the absorbance at a fragment's own depth that counts as in front of it: more hides more of what is behind",
         },
-        RETRACE_PARAMETER,
+        Retrace::PARAMETER,
     ],
     alignment_px: 1,
+    constants: &[],
+    tables: &[],
 };
 
-/// Moment-based transparency.
+choice! {
+    /// How many power moments there are, beside the absorbance itself.
+    enum Order {
+        /// First to fourth moment.
+        Four = "4",
+        /// First to sixth moment.
+        Six = "6",
+        /// First to eighth moment.
+        Eight = "8",
+    }
+}
+
+impl Order {
+    /// The number of moments, the absorbance not counted.
+    fn count(self) -> usize {
+        match self {
+            Self::Four => 4,
+            Self::Six => 6,
+            Self::Eight => 8,
+        }
+    }
+
+    /// How far 32-bit moments are moved, and the even moments (the odd ones are 0) that they are moved to: both as the
+    /// paper's supplement gives them.
+    fn published_bias(self) -> (f64, &'static [f64]) {
+        match self {
+            Self::Four => (5e-7, &[0.375, 0.375]),
+            Self::Six => (5e-6, &[0.48, 0.451, 0.45]),
+            Self::Eight => (5e-5, &[0.75, 0.676_666_666_666_666_7, 0.63, 0.600_303_030_303_030_3]),
+        }
+    }
+}
+
+/// Moment-based transparency of an order.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Moments {
-    order: usize,
+    order: Order,
     overestimation: f64,
-    each_pass: bool,
+    retrace: Retrace,
 }
 
 /// Sums over the fragments of a pixel.
@@ -57,7 +92,7 @@ pub struct Moments {
 pub struct Sums {
     /// Logarithms of the least and the largest depth.
     ln_depth_range: [f32; 2],
-    /// The zeroth moment.
+    /// The zeroth moment: the sum of absorbances.
     absorbance: f32,
     /// The first one and so on, each times the absorbance.
     moments: [f32; hamburger::MOST_MOMENTS],
@@ -69,35 +104,23 @@ pub struct Sums {
 
 impl Moments {
     pub(crate) fn new(values: &Values) -> Self {
-        let order = values.text("order").parse().expect("the words are numbers");
         let overestimation = values.real("overestimation").into();
-        Self { order, overestimation, each_pass: values.text(RETRACE_PARAMETER.key) == "on" }
+        Self { order: values.choice("order"), overestimation, retrace: values.choice(Retrace::PARAMETER.key) }
     }
 
     pub(crate) fn accept<V: Visitor>(&self, visitor: V) -> V::Output {
-        visitor.compositing(self)
+        visitor.unordered(self)
     }
 
     /// The moments a unit of absorbance, moved towards those of a distribution that is well inside the valid ones, so that rounding takes
     /// none outside.
     fn biased(&self, pixel: &Sums) -> [f64; hamburger::MOST_MOMENTS] {
-        let (bias, towards) = published_bias(self.order);
+        let (bias, towards) = self.order.published_bias();
         std::array::from_fn(|index| {
             let moment = f64::from(pixel.moments[index]) / f64::from(pixel.absorbance);
             let even = if index % 2 == 1 { towards.get(index / 2).copied().unwrap_or(0.0) } else { 0.0 };
             moment + bias * (even - moment)
         })
-    }
-}
-
-/// How far 32-bit moments are moved, and the even moments (the odd ones are 0) that they are moved to: both as the paper's supplement gives
-/// them for an order.
-#[must_use]
-pub fn published_bias(order: usize) -> (f64, &'static [f64]) {
-    match order {
-        4 => (5e-7, &[0.375, 0.375]),
-        6 => (5e-6, &[0.48, 0.451, 0.45]),
-        _ => (5e-5, &[0.75, 0.676_666_666_666_666_7, 0.63, 0.600_303_030_303_030_3]),
     }
 }
 
@@ -110,11 +133,11 @@ impl Sums {
     }
 }
 
-impl Compositing for Moments {
+impl UnorderedCompositing for Moments {
     type Pixel = Sums;
 
-    fn gathering(&self) -> Gathering {
-        Gathering::Unordered { each_pass: self.each_pass }
+    fn retrace(&self) -> Retrace {
+        self.retrace
     }
 
     fn pass_count(&self) -> usize {
@@ -127,7 +150,43 @@ impl Compositing for Moments {
 
     fn memory(&self) -> Memory {
         // The absorbance and its moments in 32 bits; then sums of colour and alpha in 16.
-        Memory::Bounded(4 + 4 * self.order as u32 + 8)
+        Memory::Bounded(4 + 4 * self.order.count() as u32 + 8)
+    }
+
+    fn raster(&self) -> Result<Raster, NoRaster> {
+        let (bias, towards) = self.order.published_bias();
+        let mut four = [0.0; 4];
+        four.iter_mut().zip(towards).for_each(|(four, towards)| *four = *towards as f32);
+        let constants = vec![
+            ShaderConstant::real("MOMENT_BIAS", bias as f32),
+            ShaderConstant { name: "MOMENT_TOWARDS", value: ShaderValue::Vec4F(four) },
+        ];
+        // Sums of colours in the 16 bits of the paper; absorbance and moments in 32.
+        let mut resources = vec![
+            Resource::sums("blended sums", TargetFormat::Rgba16Float),
+            Resource::sums("absorbance", TargetFormat::R32Float),
+            Resource::sums("moments 1 to 4", TargetFormat::Rgba32Float),
+        ];
+        match self.order {
+            Order::Four => {}
+            Order::Six => resources.push(Resource::sums("moments 5 and 6", TargetFormat::Rg32Float)),
+            Order::Eight => resources.push(Resource::sums("moments 5 to 8", TargetFormat::Rgba32Float)),
+        }
+        // At order 4 the first four stand in for the further ones, which nothing looks at.
+        let sums = vec![(1, 1), (2, 2), (3, resources.len() - 1)];
+        let targets = (1..resources.len()).map(|index| (index, Some(Blend::Add))).collect();
+        let draw = |name, entry_point, targets, bound| Step {
+            name,
+            entry_point,
+            work: Work::Draw { targets, depth: None },
+            bound,
+        };
+        let steps = vec![
+            draw("moments", "fs_moments", targets, Vec::new()),
+            draw("blend", "fs_blend", vec![(0, Some(Blend::Add))], sums),
+            Step::last(vec![(1, 1), (4, 0)]),
+        ];
+        Ok(Raster::Passes(Passes { resources, steps, constants }))
     }
 
     fn begin(&self, site: &PixelSite) -> Sums {
@@ -147,7 +206,7 @@ impl Compositing for Moments {
             if pixel.count == 0 {
                 return ControlFlow::Break(());
             }
-            pixel.problem = Problem::new(&self.biased(pixel)[..self.order]);
+            pixel.problem = Problem::new(&self.biased(pixel)[..self.order.count()]);
         }
         ControlFlow::Continue(())
     }
@@ -164,7 +223,7 @@ impl Compositing for Moments {
             let absorbance = -(-fragment.alpha).ln_1p();
             pixel.absorbance += absorbance;
             let mut power = absorbance;
-            for moment in &mut pixel.moments[..self.order] {
+            for moment in &mut pixel.moments[..self.order.count()] {
                 power *= depth;
                 *moment += power;
             }
@@ -190,7 +249,7 @@ impl Compositing for Moments {
         pixel.rgb_weighted * (-(-pixel.absorbance).exp_m1() / pixel.alpha_weighted)
     }
 
-    /// There is one place for all.
+    /// All fragments but one are merged: there is one sum for all.
     fn merged_count(&self, pixel: &Sums) -> u32 {
         pixel.count.saturating_sub(1)
     }

@@ -5,17 +5,22 @@
 use std::ops::ControlFlow;
 
 use glam::Vec3;
-use sheer_core::parameter::{ParameterInfo, ParameterRange, Values};
-
-use crate::contract::{
-    Compositing, Fragment, Gathering, Memory, MethodInfo, PixelSite, RETRACE_PARAMETER, Visitor,
+use sheer_core::{
+    bibliography,
+    parameter::{ParameterInfo, ParameterRange, Values},
 };
 
-/// Its entry in the table.
+use crate::contract::{
+    Fragment, Memory, MethodInfo, NoRaster, Passes, PixelSite, Raster, Resource, Retrace, Step, TargetFormat,
+    UnorderedCompositing, Visitor, Work,
+};
+
+/// The row of the method in lists and help, and what a GPU needs of it.
 pub const INFO: MethodInfo = MethodInfo {
     id: "peel",
     title: "layer after layer, each in a pass over all fragments: the nearest one behind the last",
     paper: "Everitt 2001, Interactive Order-Independent Transparency; Mammen 1989",
+    works: &[&bibliography::EVERITT_2001, &bibliography::MAMMEN_1989],
     bias: "what lies behind the last layer is not drawn; the background shines through in its stead",
     parameters: &[
         ParameterInfo {
@@ -25,22 +30,24 @@ pub const INFO: MethodInfo = MethodInfo {
             range: ParameterRange::Count(1, 64),
             what: "passes, one layer each; fewer where nothing is left",
         },
-        RETRACE_PARAMETER,
+        Retrace::PARAMETER,
     ],
     alignment_px: 1,
+    constants: &[],
+    tables: &[],
 };
 
-/// Depth peeling.
+/// Depth peeling with a bound on the layers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Peel {
     layers: u32,
-    each_pass: bool,
+    retrace: Retrace,
 }
 
 /// What has been peeled, and what the pass at work has found.
 #[derive(Clone, Copy, Debug)]
 pub struct Peeled {
-    /// Of the layer peeled last; all fragments are behind the first value.
+    /// Sort key of the layer peeled last; its first value lies in front of all fragments.
     last: (f32, u32),
     next: Option<Next>,
     rgb_premul: Vec3,
@@ -50,23 +57,23 @@ pub struct Peeled {
 /// The nearest fragment of a pass so far.
 #[derive(Clone, Copy, Debug)]
 struct Next {
-    place: (f32, u32),
+    sort_key: (f32, u32),
     alpha: f32,
     rgb_straight: Vec3,
 }
 
 impl Peel {
     pub(crate) fn new(values: &Values) -> Self {
-        Self { layers: values.count("layers"), each_pass: values.text(RETRACE_PARAMETER.key) == "on" }
+        Self { layers: values.count("layers"), retrace: values.choice(Retrace::PARAMETER.key) }
     }
 
     pub(crate) fn accept<V: Visitor>(&self, visitor: V) -> V::Output {
-        visitor.compositing(self)
+        visitor.unordered(self)
     }
 }
 
 impl Peeled {
-    /// With what the pass has found behind what was there before: colour and visibility.
+    /// Colour and visibility of what has been peeled with the layer that the pass has found composited behind it.
     fn blended(&self) -> (Vec3, f32) {
         self.next.map_or((self.rgb_premul, self.visibility), |next| {
             let rgb = self.rgb_premul + self.visibility * next.alpha * next.rgb_straight;
@@ -75,11 +82,11 @@ impl Peeled {
     }
 }
 
-impl Compositing for Peel {
+impl UnorderedCompositing for Peel {
     type Pixel = Peeled;
 
-    fn gathering(&self) -> Gathering {
-        Gathering::Unordered { each_pass: self.each_pass }
+    fn retrace(&self) -> Retrace {
+        self.retrace
     }
 
     fn pass_count(&self) -> usize {
@@ -95,6 +102,34 @@ impl Compositing for Peel {
         Memory::Bounded(12)
     }
 
+    /// Two layers take turns: one is looked for behind the other.
+    fn raster(&self) -> Result<Raster, NoRaster> {
+        const FURTHEST: [f64; 4] = [u32::MAX as f64, u32::MAX as f64, 0.0, 0.0];
+        const DEPTH: usize = 2;
+        const PEELED: usize = 3;
+        let layer = |label| Resource::Target { label, format: TargetFormat::Rg32Uint, clear: FURTHEST };
+        let resources = vec![
+            layer("even layer"),
+            layer("odd layer"),
+            Resource::Depth { label: "peel depth" },
+            Resource::Storage { label: "peeled layers", bytes_per_pixel: 16 },
+        ];
+        let mut steps = Vec::new();
+        for number in 0..self.layers as usize {
+            let [this, last] = [number % 2, (number + 1) % 2];
+            steps.push(Step {
+                name: "peel",
+                entry_point: if number == 0 { "fs_first" } else { "fs_next" },
+                work: Work::Draw { targets: vec![(this, None)], depth: Some(DEPTH) },
+                bound: if number == 0 { Vec::new() } else { vec![(1, last)] },
+            });
+            let bound = vec![(1, this), (2, PEELED)];
+            steps.push(Step { name: "blend", entry_point: "cs_blend", work: Work::Pixels, bound });
+        }
+        steps.push(Step::last(vec![(2, PEELED)]));
+        Ok(Raster::Passes(Passes { resources, steps, constants: Vec::new() }))
+    }
+
     fn begin(&self, _: &PixelSite) -> Peeled {
         Peeled { last: (f32::NEG_INFINITY, 0), next: None, rgb_premul: Vec3::ZERO, visibility: 1.0 }
     }
@@ -105,7 +140,7 @@ impl Compositing for Peel {
         }
         (pixel.rgb_premul, pixel.visibility) = pixel.blended();
         let Some(peeled) = pixel.next.take() else { return ControlFlow::Break(()) };
-        pixel.last = peeled.place;
+        pixel.last = peeled.sort_key;
         ControlFlow::Continue(())
     }
 
@@ -116,9 +151,9 @@ impl Compositing for Peel {
         fragment: &Fragment<'_>,
         shade: impl FnOnce() -> Vec3,
     ) -> ControlFlow<()> {
-        let place = fragment.place(0);
-        if place > pixel.last && pixel.next.is_none_or(|next| place < next.place) {
-            pixel.next = Some(Next { place, alpha: fragment.alpha, rgb_straight: shade() });
+        let sort_key = fragment.sort_key(0);
+        if sort_key > pixel.last && pixel.next.is_none_or(|next| sort_key < next.sort_key) {
+            pixel.next = Some(Next { sort_key, alpha: fragment.alpha, rgb_straight: shade() });
         }
         ControlFlow::Continue(())
     }

@@ -6,58 +6,49 @@
 //! not, and the pixel shows the same error for ever. An offset into the noise for each object makes them
 //! independent.
 
-use sheer_core::parameter::{ParameterInfo, ParameterRange, Values};
-
-use super::object_draw::ObjectDraw;
-use crate::contract::{BLUE_NOISE_SIDE, Site, Tables};
-
-/// For methods whose objects draw something for themselves.
-pub(super) const NOISE: ParameterInfo = ParameterInfo {
-    key: "noise",
-    default: Noise::Shared.word(),
-    range: ParameterRange::Choice(&[Noise::Shared.word(), Noise::Object.word(), Noise::Off.word()]),
-    what: "blue noise below the strata: the same for all objects, as in the paper; from an offset of its own for each, so that faint \
-           layers do not all vanish from the same pixels; or none",
+use sheer_core::{
+    choice,
+    parameter::{Choice as _, ParameterInfo, ParameterRange, Values},
 };
 
-/// For methods whose objects have nothing of their own.
+use super::object_draw::ObjectDraw;
+use crate::contract::{BLUE_NOISE_SIDE, ShaderConstant, Site, Tables};
+
+choice! {
+    /// Who shares the static blue noise.
+    pub(super) enum Noise {
+        /// All objects.
+        Shared = "shared",
+        /// Nobody: each object has an offset of its own.
+        Object = "object",
+        /// There is none.
+        Off = "off",
+    }
+}
+
+/// The key for it, for methods whose objects draw something for themselves.
+pub(super) const NOISE: ParameterInfo = Noise::parameter(
+    "noise",
+    Noise::Shared,
+    "blue noise below the strata: the same for all objects, as in the paper; from an offset of its own for each, so that faint \
+     layers do not all vanish from the same pixels; or none",
+);
+
+/// The key for it, for methods whose objects have nothing of their own.
 pub(super) const NOISE_OF_ALL: ParameterInfo = ParameterInfo {
-    range: ParameterRange::Choice(&[Noise::Shared.word(), Noise::Off.word()]),
+    range: ParameterRange::Choice(&[Noise::WORDS[Noise::Shared as usize], Noise::WORDS[Noise::Off as usize]]),
     what: "blue noise below the strata, as in the paper; or none: then thresholds are the middles of the strata",
     ..NOISE
 };
 
 /// Where in its stratum a threshold lies without noise, as a share.
-pub const MIDDLE: f32 = 0.5;
-
-/// Who shares the static blue noise.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Noise {
-    /// All objects.
-    Shared,
-    /// Nobody: each object has an offset of its own.
-    Object,
-    /// There is none.
-    Off,
-}
+const MIDDLE: f32 = 0.5;
+/// [`MIDDLE`] for the shaders of all methods that take the key.
+pub(super) const MIDDLE_CONSTANT: ShaderConstant = ShaderConstant::real("MIDDLE_OF_STRATUM", MIDDLE);
 
 impl Noise {
-    const ALL: [Self; 3] = [Self::Shared, Self::Object, Self::Off];
-
-    const fn word(self) -> &'static str {
-        match self {
-            Self::Shared => "shared",
-            Self::Object => "object",
-            Self::Off => "off",
-        }
-    }
-
     pub(super) fn new(values: &Values) -> Self {
-        let word = values.text(NOISE.key);
-        Self::ALL
-            .into_iter()
-            .find(|noise| noise.word() == word)
-            .expect("the value was checked against the words of all")
+        values.choice(NOISE.key)
     }
 
     /// The noise of a pixel for all objects, in (0, 1).
@@ -68,17 +59,11 @@ impl Noise {
 
     /// The noise of a hit, in (0, 1), with an object's own draw.
     #[inline]
-    pub(super) fn of_hit<const N: usize>(
-        self,
-        draw: ObjectDraw,
-        site: &Site<N>,
-        lane: usize,
-        tables: &Tables,
-    ) -> f32 {
-        let mut pixel = [site.pixel[0][lane], site.pixel[1][lane]];
+    pub(super) fn of_hit(self, draw: ObjectDraw, site: &Site, tables: &Tables) -> f32 {
+        let mut pixel = site.pixel;
         if self == Self::Object {
-            let place = draw.second_below(site, lane, BLUE_NOISE_SIDE * BLUE_NOISE_SIDE);
-            let offset = [place % BLUE_NOISE_SIDE, place / BLUE_NOISE_SIDE];
+            let texel = draw.second_below(site, BLUE_NOISE_SIDE * BLUE_NOISE_SIDE);
+            let offset = [texel % BLUE_NOISE_SIDE, texel / BLUE_NOISE_SIDE];
             pixel = [0, 1].map(|axis| pixel[axis] % BLUE_NOISE_SIDE + offset[axis]);
         }
         self.of_all(pixel, tables)
@@ -101,8 +86,8 @@ mod tests {
         let (noise, draw, tables) = (Noise::new(&values), ObjectDraw::new(&values), Tables::get());
         [3, 4].map(|instance| {
             let at = |x| {
-                let site = Site { pixel: [[x], [5]], instance: [instance], ..Site::default() };
-                noise.of_hit(draw, &site, 0, &tables)
+                let site = Site { pixel: [x, 5], instance, ..Site::default() };
+                noise.of_hit(draw, &site, &tables)
             };
             (0..64).map(at).collect()
         })
@@ -133,8 +118,8 @@ mod tests {
             let draw = ObjectDraw::new(&Values::parse(KNOWN, &format!("hash={hash}")).unwrap());
             let mut counts = [0_u32; 16];
             for instance in 0..16_000 {
-                let site = Site { instance: [instance], ..Site::<1>::default() };
-                counts[(4 * draw.below(&site, 0, 4) + draw.second_below(&site, 0, 4)) as usize] += 1;
+                let site = Site { instance, ..Site::default() };
+                counts[(4 * draw.below(&site, 4) + draw.second_below(&site, 4)) as usize] += 1;
             }
             let chi_square: f64 =
                 counts.iter().map(|&count| (f64::from(count) - 1000.0).powi(2) / 1000.0).sum();

@@ -8,41 +8,51 @@
 use std::ops::ControlFlow;
 
 use glam::Vec3;
-use sheer_core::parameter::{ParameterInfo, ParameterRange, Values};
+use sheer_core::{bibliography, choice, parameter::Values};
 
-use crate::contract::{Compositing, Fragment, Gathering, Memory, MethodInfo, PixelSite, Visitor};
+use crate::contract::{
+    Blend, Fragment, Memory, MethodInfo, NoRaster, Passes, PixelSite, Raster, Resource, ShaderConstant, Step,
+    TargetFormat, UnorderedCompositing, Visitor, Work,
+};
 
-/// Its entry in the table.
+/// The row of the method in lists and help, and what a GPU needs of it.
 pub const INFO: MethodInfo = MethodInfo {
     id: "weighted",
     title: "the mean of all fragments, weighted by alpha and depth: one pass, no order at all",
     paper: "McGuire, Bavoil 2013, Weighted Blended Order-Independent Transparency",
+    works: &[&bibliography::MCGUIRE_BAVOIL_2013],
     bias: "colours of several layers are a mean by weights that depend on the scene's scale; the background is exact",
-    parameters: &[ParameterInfo {
-        key: "weight",
-        default: "eq7",
-        range: ParameterRange::Choice(&["eq7", "eq8", "eq9", "eq10"]),
-        what: "the paper's functions of depth; eq7 to eq9 for scenes in metres, eq10 for the depth range of the frame",
-    }],
+    parameters: &[Weight::parameter(
+        "weight",
+        Weight::Eq7,
+        "the paper's functions of depth; eq7 to eq9 for scenes in metres, eq10 for the depth range of the frame",
+    )],
     alignment_px: 1,
+    constants: &[],
+    tables: &[],
 };
 
 /// Weights stay within these (Eq. 7 to 9), so that sums in 16-bit floats neither overflow nor vanish.
-pub const WEIGHTS: [f32; 2] = [1e-2, 3e3];
+const WEIGHTS: [f32; 2] = [1e-2, 3e3];
 
-/// Weighted blended transparency.
+/// Weighted blended transparency with one of the weight functions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Weighted {
     weight: Weight,
 }
 
-/// The equations of the paper.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Weight {
-    Eq7,
-    Eq8,
-    Eq9,
-    Eq10,
+choice! {
+    /// The equations of the paper for the weight of a depth.
+    enum Weight {
+        /// Falls with the square of the depth, later with its sixth power.
+        Eq7 = "eq7",
+        /// Falls with the cube of the depth, later with its sixth power.
+        Eq8 = "eq8",
+        /// Falls with the fourth power of the depth.
+        Eq9 = "eq9",
+        /// Falls with the cube of what a depth buffer holds.
+        Eq10 = "eq10",
+    }
 }
 
 /// Sums over the fragments of a pixel.
@@ -57,17 +67,11 @@ pub struct Sums {
 
 impl Weighted {
     pub(crate) fn new(values: &Values) -> Self {
-        let weight = match values.text("weight") {
-            "eq8" => Weight::Eq8,
-            "eq9" => Weight::Eq9,
-            "eq10" => Weight::Eq10,
-            _ => Weight::Eq7,
-        };
-        Self { weight }
+        Self { weight: values.choice("weight") }
     }
 
     pub(crate) fn accept<V: Visitor>(&self, visitor: V) -> V::Output {
-        visitor.compositing(self)
+        visitor.unordered(self)
     }
 }
 
@@ -90,16 +94,32 @@ impl Weight {
     }
 }
 
-impl Compositing for Weighted {
+impl UnorderedCompositing for Weighted {
     type Pixel = Sums;
-
-    fn gathering(&self) -> Gathering {
-        Gathering::Unordered { each_pass: false }
-    }
 
     fn memory(&self) -> Memory {
         // Sums of colour and alpha in 16-bit floats; transmittance in one more.
         Memory::Bounded(10)
+    }
+
+    fn raster(&self) -> Result<Raster, NoRaster> {
+        let [least, most] = WEIGHTS;
+        let constants =
+            vec![ShaderConstant::real("WEIGHT_LEAST", least), ShaderConstant::real("WEIGHT_MOST", most)];
+        // Sums in the 16 bits of the paper.
+        let resources = vec![
+            Resource::sums("weighted sums", TargetFormat::Rgba16Float),
+            Resource::products("weighted transmittance", TargetFormat::R16Float),
+        ];
+        let targets = vec![(0, Some(Blend::Add)), (1, Some(Blend::Multiply))];
+        let blend = Step {
+            name: "blend",
+            entry_point: "fs_blend",
+            work: Work::Draw { targets, depth: None },
+            bound: Vec::new(),
+        };
+        let steps = vec![blend, Step::last(vec![(1, 0), (2, 1)])];
+        Ok(Raster::Passes(Passes { resources, steps, constants }))
     }
 
     fn begin(&self, site: &PixelSite) -> Sums {
@@ -139,7 +159,7 @@ impl Compositing for Weighted {
         pixel.rgb_weighted * ((1.0 - pixel.transmittance) / pixel.alpha_weighted)
     }
 
-    /// There is one place for all.
+    /// All fragments but one are merged: there is one sum for all.
     fn merged_count(&self, pixel: &Sums) -> u32 {
         pixel.count.saturating_sub(1)
     }
@@ -147,15 +167,15 @@ impl Compositing for Weighted {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use sheer_core::parameter::Choice as _;
 
-    const ALL: [Weight; 4] = [Weight::Eq7, Weight::Eq8, Weight::Eq9, Weight::Eq10];
+    use super::*;
 
     #[test]
     fn the_weights_are_those_of_the_paper() {
         // Eq. 7: 10 / (1e-5 + 4 + 1.5625e-8) at 10 m.
         let expected = [10.0 / 4.000_01, 10.0 / 1.000_01, 0.03 / 1.625e-5];
-        for (weight, expected) in ALL.into_iter().zip(expected) {
+        for (&weight, expected) in Weight::ALL.iter().zip(expected) {
             let found = weight.of_depth(10.0, [1.0, 100.0]);
             assert!((found / expected - 1.0).abs() < 1e-5, "{weight:?}: {found}, not {expected}");
         }
@@ -166,7 +186,7 @@ mod tests {
 
     #[test]
     fn weights_fall_with_depth_and_stay_in_their_range() {
-        for weight in ALL {
+        for &weight in Weight::ALL {
             let of = |depth| weight.of_depth(depth, [0.5, 500.0]);
             let depths = (0..=60).map(|step| 0.01 * 10_f32.powf(0.1 * step as f32));
             let weights: Vec<f32> = depths.map(of).collect();
@@ -178,7 +198,7 @@ mod tests {
 
     #[test]
     fn a_frame_of_one_depth_has_a_weight() {
-        for weight in ALL {
+        for &weight in Weight::ALL {
             assert!(weight.of_depth(3.0, [3.0, 3.0]).is_finite());
         }
     }

@@ -11,7 +11,7 @@ use crate::contract::MIN_ALPHA;
 pub(super) struct Blocker {
     /// Along the ray from the light, world units.
     pub(super) depth: f32,
-    /// The triangle.
+    /// Index of its triangle in the frame.
     pub(super) triangle: u32,
     /// Share of the light that passes.
     pub(super) through: Vec3,

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 use sheer_accel::{Hit, Ray};
-use sheer_core::parameter::Values;
+use sheer_core::{bibliography, parameter::Values};
 
 use super::technique::{Map, Receiver, ShadowInfo, Technique, View};
 use crate::{
@@ -11,16 +11,17 @@ use crate::{
     stage::Stage,
 };
 
-/// Its entry in the table.
+/// The row of the technique in lists and help.
 pub(super) const INFO: ShadowInfo = ShadowInfo {
     id: "deep",
     title: "a ray through everything between a fragment and a light",
     paper: "Brüll, Kern, Grosch (STD), section 3.1",
+    works: &[&bibliography::STD],
     bias: "none",
     parameters: &[],
 };
 
-/// Deep shadow rays.
+/// Deep shadow rays, which have no parameters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Deep;
 
@@ -48,7 +49,7 @@ impl Technique for Deep {
     }
 }
 
-/// Needs no map.
+/// In place of a map: a ray for each lookup.
 #[derive(Debug)]
 struct Rays {
     tinted: bool,

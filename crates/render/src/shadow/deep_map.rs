@@ -2,7 +2,10 @@
 //! compressed to a tolerance. One ray a texel; what the paper averages over a texel's area is left to the filter of the lookup.
 
 use glam::Vec3;
-use sheer_core::parameter::{ParameterInfo, ParameterRange, Values};
+use sheer_core::{
+    bibliography,
+    parameter::{ParameterInfo, ParameterRange, Values},
+};
 
 use super::{
     blockers::record,
@@ -11,11 +14,12 @@ use super::{
 };
 use crate::{cost::Counters, stage::Stage};
 
-/// Its entry in the table.
+/// The row of the technique in lists and help.
 pub(super) const INFO: ShadowInfo = ShadowInfo {
     id: "deep-map",
     title: "a visibility function for each texel, compressed to a tolerance",
     paper: "Lokovic and Veach 2000, Deep Shadow Maps",
+    works: &[&bibliography::LOKOVIC_VEACH_2000],
     bias: "up to the tolerance, and the filter's blur",
     parameters: &[
         RESOLUTION,
@@ -31,7 +35,7 @@ pub(super) const INFO: ShadowInfo = ShadowInfo {
 /// Texels whose visibilities a lookup mixes: neighbours, by their distance.
 pub(super) const FILTER: u32 = 1;
 
-/// Deep shadow maps.
+/// Deep shadow maps of a resolution, compressed to a tolerance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct DeepMap {
     resolution: u32,

@@ -7,7 +7,10 @@
 use std::f32::consts::TAU;
 
 use glam::Vec3;
-use sheer_core::parameter::{ParameterInfo, ParameterRange, Values};
+use sheer_core::{
+    bibliography,
+    parameter::{ParameterInfo, ParameterRange, Values},
+};
 
 use super::{
     blockers::record,
@@ -18,11 +21,12 @@ use super::{
 };
 use crate::{cost::Counters, stage::Stage};
 
-/// Its entry in the table.
+/// The row of the technique in lists and help.
 pub(super) const INFO: ShadowInfo = ShadowInfo {
     id: "fourier",
     title: "absorption along the light as a short Fourier series",
     paper: "Jansen and Bavoil 2010, Fourier Opacity Mapping",
+    works: &[&bibliography::JANSEN_BAVOIL_2010],
     bias: "soft at blockers, rings between them; exact behind the last",
     parameters: &[
         RESOLUTION,
@@ -39,7 +43,7 @@ pub(super) const INFO: ShadowInfo = ShadowInfo {
 /// point of the circle, and the ringing of the last blocker would darken the first; much more spends the terms on emptiness.
 const MARGIN: f32 = 0.25;
 
-/// Fourier opacity mapping.
+/// Fourier opacity mapping with a number of terms.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Fourier {
     resolution: u32,
@@ -97,7 +101,7 @@ impl Technique for Fourier {
     }
 }
 
-/// Adds an optical depth at a place of the period, 0 to 1 (their Eq. 5): the coefficients a0 / 2, a1, b1, a2, b2…
+/// Adds an optical depth at a position in the period, 0 to 1 (their Eq. 5): the coefficients a0 / 2, a1, b1, a2, b2…
 fn add(series: &mut [f32], turn: f32, optical_depth: f32) {
     series[0] += optical_depth;
     for (index, pair) in series[1..].chunks_exact_mut(2).enumerate() {
@@ -107,7 +111,7 @@ fn add(series: &mut [f32], turn: f32, optical_depth: f32) {
     }
 }
 
-/// Optical depth up to a place of the period: the integral of the series (their Eq. 6).
+/// Optical depth up to a position in the period: the integral of the series (their Eq. 6).
 fn evaluate(series: &[f32], turn: f32) -> f32 {
     // No light is made up where the series rings below nothing, and none is lost from the whole at the end of the period.
     let turn = turn.clamp(0.0, 1.0);
@@ -159,7 +163,7 @@ mod tests {
     use super::*;
 
     /// The tail of the series of a step is at most `1 / (π (n + 1) |sin π x|)` at a distance of `x` periods (Abel's summation), and the step has
-    /// it once at the place asked for and once at the start of the period.
+    /// it once at the position asked for and once at the start of the period.
     fn bound(terms: usize, blockers: &[(f32, f32)], turn: f32) -> f32 {
         let tail = |distance: f32| 1.0 / (PI * (terms + 1) as f32 * (PI * distance).sin().abs());
         blockers.iter().map(|(at, depth)| depth * (tail(turn - at) + tail(*at))).sum()

@@ -1,20 +1,24 @@
 //! Which samples of a texel a blocker takes (ST section 3.1).
 
-use sheer_core::hash::{Pcg32, pcg4d, unit_from_bits};
+use sheer_core::{
+    choice,
+    hash::{Pcg32, pcg4d, unit_from_bits},
+};
 
-/// How the samples of a texel are drawn.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Sampling {
-    /// Each sample flips a coin of its own.
-    Naive,
-    /// `R = ⌊alpha · S + ξ⌋` of `S` samples, a random subset.
-    Stratified,
+choice! {
+    /// How the samples of a texel are drawn.
+    pub enum Sampling {
+        /// Each sample flips a coin of its own.
+        Naive = "naive",
+        /// `R = ⌊alpha · S + ξ⌋` of `S` samples, a random subset.
+        Stratified = "stratified",
+    }
 }
 
 /// The most samples of a texel: a mask is a 64-bit word.
 pub(super) const MOST_SAMPLES: u32 = 64;
 
-/// Seed of the mask of a blocker, told by its triangle, in a texel. Masks of two blockers have to be independent.
+/// Seed of the mask of a blocker, given by its triangle, in a texel. Masks of two blockers have to be independent.
 pub(super) fn seed(texel: usize, blocker: u32, key: u32) -> u64 {
     let [high, low, ..] = pcg4d([texel as u32, blocker, key, (texel as u64 >> 32) as u32]);
     u64::from(high) << 32 | u64::from(low)

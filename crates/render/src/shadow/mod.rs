@@ -32,13 +32,13 @@ pub enum ShadowError {
     Unknown {
         /// What was asked for.
         name: String,
-        /// All names.
+        /// The names of all techniques, separated by commas.
         known: String,
     },
     /// A key or a value is off.
     #[error("shadow technique '{technique}': {problem}")]
     Parameter {
-        /// Its name.
+        /// The name of the technique.
         technique: &'static str,
         /// What is wrong and what is allowed.
         problem: String,
@@ -58,7 +58,7 @@ macro_rules! shadows {
         pub const SHADOWS: &[ShadowInfo] = &[$($module::INFO),+];
 
         impl Shadow {
-            /// Its entry in the table.
+            /// What lists and help say of it.
             #[must_use]
             pub fn info(&self) -> &'static ShadowInfo {
                 match self.kind {
@@ -108,8 +108,8 @@ impl Shadow {
     /// The value of one of its keys, as it would be typed; None if it has no such key.
     #[must_use]
     pub fn value(&self, key: &str) -> Option<String> {
-        let place = self.info().parameters.iter().position(|parameter| parameter.key == key)?;
-        self.technique().values().into_iter().nth(place)
+        let index = self.info().parameters.iter().position(|parameter| parameter.key == key)?;
+        self.technique().values().into_iter().nth(index)
     }
 }
 

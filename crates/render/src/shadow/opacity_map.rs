@@ -5,7 +5,10 @@
 //! the user has to find for each scene; and what is summed is the optical depth `-ln(1 - alpha)`, not alpha.
 
 use glam::Vec3;
-use sheer_core::parameter::{ParameterInfo, ParameterRange, Values};
+use sheer_core::{
+    bibliography,
+    parameter::{ParameterInfo, ParameterRange, Values},
+};
 
 use super::{
     blockers::record,
@@ -15,11 +18,12 @@ use super::{
 };
 use crate::{contract::MIN_VISIBILITY, cost::Counters, stage::Stage};
 
-/// Its entry in the table.
+/// The row of the technique in lists and help.
 pub(super) const INFO: ShadowInfo = ShadowInfo {
     id: "opacity-map",
     title: "opacity accumulated in a few layers between the first and the last blocker of a texel",
     paper: "Yuksel and Keyser 2008, Deep Opacity Maps",
+    works: &[&bibliography::YUKSEL_KEYSER_2008],
     bias: "up to the drop in visibility across the layer that a fragment is in",
     parameters: &[
         RESOLUTION,
@@ -37,7 +41,7 @@ pub(super) fn optical_depth(through: f32) -> f32 {
     -through.clamp(MIN_VISIBILITY, 1.0).ln()
 }
 
-/// Deep opacity maps.
+/// Deep opacity maps of a resolution, with a number of layers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct OpacityMap {
     resolution: u32,

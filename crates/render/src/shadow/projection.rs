@@ -23,7 +23,7 @@ pub const FACET_SLOPE: f32 = 0.2;
 pub const STEEPEST: f32 = 20.0;
 /// Share of a depth by which the two ways to it, from the camera and from the light, differ at most by rounding.
 pub const DEPTH_ROUNDING: f32 = 4e-6;
-/// From one random tap to the next: inverse of the plastic number and its square (Roberts 2018).
+/// Step from one random tap to the next: inverse of the plastic number and its square (Roberts 2018).
 pub const TAP_STEP: Vec2 = Vec2::new(0.754_877_7, 0.569_840_3);
 
 /// How many texels the map of a light has, `side` a side; a side of the six squares is half as long, which leaves them one and a half times
@@ -63,25 +63,25 @@ pub enum Lens {
     /// From the plane at `low`, a corner of the map in the space of the face. The low sun sees a town as a strip: its texels need not be
     /// square.
     Parallel {
-        /// In the space of the face.
+        /// Corner of the map, in the space of the face.
         low: Vec3,
         /// Sides of a texel, world units.
         texel: Vec2,
     },
     /// From `eye`; half as wide as `half_width` at distance 1.
     Central {
-        /// World.
+        /// Position of the light in world space.
         eye: Vec3,
-        /// At distance 1.
+        /// Half the width of the map at distance 1 from the light.
         half_width: f32,
     },
 }
 
-/// Where a point lies in a map.
+/// A point projected into a map.
 #[derive(Clone, Copy, Debug)]
-struct Place {
+struct Projected {
     face: usize,
-    /// In texels from the corner.
+    /// Position in texels from the corner of the face.
     at: Vec2,
     /// World units along the ray from the light.
     depth: f32,
@@ -116,12 +116,12 @@ impl Projection {
         Self { faces, side }
     }
 
-    /// How many texels there are.
+    /// How many texels all faces have.
     pub(super) fn texels(&self) -> usize {
         self.faces.len() * self.side as usize * self.side as usize
     }
 
-    /// Texels a row.
+    /// Texels in a row, and rows, of a face.
     #[must_use]
     pub fn side(&self) -> usize {
         self.side as usize
@@ -160,8 +160,8 @@ impl Projection {
         }
     }
 
-    /// None outside the map, where nothing is lit or nothing is.
-    fn place(&self, point: Vec3) -> Option<Place> {
+    /// A point of the world in the map; none outside, where nothing is lit or nothing is.
+    fn project(&self, point: Vec3) -> Option<Projected> {
         let ahead = |face: &Face| match face.lens {
             Lens::Parallel { .. } => 0.0,
             Lens::Central { eye, .. } => face.axes.z_axis.dot(point - eye),
@@ -181,7 +181,7 @@ impl Projection {
             }
         };
         let inside = at.min_element() >= 0.0 && at.max_element() <= side && depth >= 0.0;
-        inside.then_some(Place { face, at, depth, texel })
+        inside.then_some(Projected { face, at, depth, texel })
     }
 
     /// Mean of what `visibility` says of the texels around a receiver, each with the depth that it has there: percentage closer filtering.
@@ -193,13 +193,13 @@ impl Projection {
         width: u32,
         visibility: impl Fn(usize, f32) -> Vec3,
     ) -> Vec3 {
-        let Some(place) = self.place(receiver.position) else { return Vec3::ONE };
+        let Some(projected) = self.project(receiver.position) else { return Vec3::ONE };
         if width == 0 {
-            let (texel, depth) = self.tap(stage, receiver, &place, place.at);
+            let (texel, depth) = self.tap(stage, receiver, &projected, projected.at);
             return visibility(texel, depth);
         }
         let half = 0.5 * width as f32;
-        let (low, high) = (place.at - half, place.at + half);
+        let (low, high) = (projected.at - half, projected.at + half);
         let covered = |texel: f32, low: f32, high: f32| (texel + 1.0).min(high) - texel.max(low);
         let (mut sum, mut weights) = (Vec3::ZERO, 0.0);
         let first = low.floor();
@@ -208,7 +208,7 @@ impl Projection {
                 let corner = first + Vec2::new(column as f32, row as f32);
                 let weight = covered(corner.x, low.x, high.x) * covered(corner.y, low.y, high.y);
                 if weight > 0.0 {
-                    let (texel, depth) = self.tap(stage, receiver, &place, corner + 0.5);
+                    let (texel, depth) = self.tap(stage, receiver, &projected, corner + 0.5);
                     sum += weight * visibility(texel, depth);
                     weights += weight;
                 }
@@ -217,8 +217,8 @@ impl Projection {
         sum / weights
     }
 
-    /// Mean of what `visibility` says at `taps` random places in the box, evenly spread: the sequence R2 (Roberts 2018) from a random start.
-    /// It is told the number of the tap, too.
+    /// Mean of what `visibility` says at `taps` random points in the box, evenly spread: the sequence R2 (Roberts 2018) from a random start.
+    /// The number of the tap is its first argument.
     pub(super) fn random_taps(
         &self,
         stage: &Stage,
@@ -228,36 +228,36 @@ impl Projection {
         start: Vec2,
         visibility: impl Fn(u32, usize, f32) -> Vec3,
     ) -> Vec3 {
-        let Some(place) = self.place(receiver.position) else { return Vec3::ONE };
+        let Some(projected) = self.project(receiver.position) else { return Vec3::ONE };
         let sum = (0..taps).map(|tap| {
             let unit = (start + TAP_STEP * tap as f32).fract();
-            let at = place.at + (unit - 0.5) * width.max(1) as f32;
-            let (texel, depth) = self.tap(stage, receiver, &place, at);
+            let at = projected.at + (unit - 0.5) * width.max(1) as f32;
+            let (texel, depth) = self.tap(stage, receiver, &projected, at);
             visibility(tap, texel, depth)
         });
         sum.sum::<Vec3>() / taps as f32
     }
 
-    /// The texel at a place, the nearest one of the face, and the depth that counts as the receiver's there: where its plane meets the
+    /// The texel at a point, the nearest one of the face, and the depth that counts as the receiver's there: where its plane meets the
     /// texel's ray, less a bias. So a plane does not shadow itself, however large a texel is and however steep the plane.
-    fn tap(&self, stage: &Stage, receiver: &Receiver, place: &Place, at: Vec2) -> (usize, f32) {
+    fn tap(&self, stage: &Stage, receiver: &Receiver, projected: &Projected, at: Vec2) -> (usize, f32) {
         let at = at.floor().clamp(Vec2::ZERO, Vec2::splat(self.side as f32 - 1.0));
         let middle = at + 0.5;
         let side = self.side();
-        let texel = (place.face * side + at.y as usize) * side + at.x as usize;
-        let ray = self.ray_through(place.face, middle);
-        let offset = ((middle - place.at) * place.texel).length();
+        let texel = (projected.face * side + at.y as usize) * side + at.x as usize;
+        let ray = self.ray_through(projected.face, middle);
+        let offset = ((middle - projected.at) * projected.texel).length();
         let cosine = receiver.normal.dot(ray.direction);
         let on_plane = (receiver.position - ray.origin).dot(receiver.normal) / cosine;
         let limit = STEEPEST * offset;
         let depth = if on_plane.is_finite() {
-            on_plane.clamp(place.depth - limit, place.depth + limit)
+            on_plane.clamp(projected.depth - limit, projected.depth + limit)
         } else {
-            place.depth
+            projected.depth
         };
         // A turn of the plane by a small angle moves its depth by 1 / cosine² as much, here as far as the steepest plane.
         let facet = FACET_SLOPE * offset / (cosine * cosine).max(1.0 / STEEPEST);
-        (texel, depth - facet - receiver.lift(stage) - DEPTH_ROUNDING * place.depth)
+        (texel, depth - facet - receiver.lift(stage) - DEPTH_ROUNDING * projected.depth)
     }
 }
 

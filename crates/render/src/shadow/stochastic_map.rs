@@ -2,8 +2,9 @@
 
 use glam::{Vec2, Vec3};
 use sheer_core::{
+    bibliography,
     hash::{pcg4d, unit_from_bits},
-    parameter::{ParameterInfo, ParameterRange, Values},
+    parameter::{Choice as _, ParameterInfo, ParameterRange, Switch, Values},
 };
 
 use super::{
@@ -14,11 +15,12 @@ use super::{
 };
 use crate::{cost::Counters, stage::Stage};
 
-/// Its entry in the table.
+/// The row of the technique in lists and help.
 pub(super) const INFO: ShadowInfo = ShadowInfo {
     id: "stochastic-map",
     title: "a shadow map whose samples keep each blocker with the probability of its alpha",
     paper: "Enderton, Sintorn, Shirley, Luebke (ST), sections 3.2 and 3.6; colour: McGuire and Enderton 2011",
+    works: &[&bibliography::ST, &bibliography::MCGUIRE_ENDERTON_2011],
     bias: "none but the filter's blur; correct=on: between blockers",
     parameters: &[
         RESOLUTION,
@@ -28,18 +30,12 @@ pub(super) const INFO: ShadowInfo = ShadowInfo {
             range: ParameterRange::Count(1, mask::MOST_SAMPLES),
             what: "samples a texel; the paper's MSAA has 8",
         },
-        ParameterInfo {
-            key: "sampling",
-            default: "stratified",
-            range: ParameterRange::Choice(&["naive", "stratified"]),
-            what: "a coin for each sample, or a random subset of alpha times the samples",
-        },
-        ParameterInfo {
-            key: "correct",
-            default: "off",
-            range: ParameterRange::Choice(&["on", "off"]),
-            what: "scale a texel's drop in visibility to its true total",
-        },
+        Sampling::parameter(
+            "sampling",
+            Sampling::Stratified,
+            "a coin for each sample, or a random subset of alpha times the samples",
+        ),
+        Switch::parameter("correct", Switch::Off, "scale a texel's drop in visibility to its true total"),
         ParameterInfo {
             key: "filter",
             default: "2",
@@ -55,13 +51,13 @@ pub(super) const INFO: ShadowInfo = ShadowInfo {
     ],
 };
 
-/// Stochastic shadow maps.
+/// Stochastic shadow maps of a resolution, with a number of samples a texel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct StochasticMap {
     resolution: u32,
     samples: u32,
     sampling: Sampling,
-    correct: bool,
+    correct: Switch,
     filter: u32,
     taps: u32,
 }
@@ -71,19 +67,20 @@ impl StochasticMap {
         Self {
             resolution: values.count("resolution"),
             samples: values.count("samples"),
-            sampling: match values.text("sampling") {
-                "naive" => Sampling::Naive,
-                _ => Sampling::Stratified,
-            },
-            correct: values.text("correct") == "on",
+            sampling: values.choice("sampling"),
+            correct: values.choice("correct"),
             filter: values.count("filter"),
             taps: values.count("taps"),
         }
     }
 
+    fn is_corrected(&self) -> bool {
+        self.correct == Switch::On
+    }
+
     /// Numbers kept of a texel.
     fn stride(&self, channels: usize) -> usize {
-        channels * self.samples as usize + if self.correct { Corrected::stride(channels) } else { 0 }
+        channels * self.samples as usize + if self.is_corrected() { Corrected::stride(channels) } else { 0 }
     }
 }
 
@@ -105,20 +102,13 @@ impl Technique for StochasticMap {
     }
 
     fn values(&self) -> Vec<String> {
-        let sampling = match self.sampling {
-            Sampling::Naive => "naive",
-            Sampling::Stratified => "stratified",
-        };
-        let correct = if self.correct { "on" } else { "off" };
-        let counts = [self.filter, self.taps].map(|count| count.to_string());
-        let [filter, taps] = counts;
         vec![
             self.resolution.to_string(),
             self.samples.to_string(),
-            sampling.to_owned(),
-            correct.to_owned(),
-            filter,
-            taps,
+            self.sampling.word().to_owned(),
+            self.correct.word().to_owned(),
+            self.filter.to_string(),
+            self.taps.to_string(),
         ]
     }
 }
@@ -129,7 +119,7 @@ impl StochasticMap {
     fn draw(&self, view: &View<'_>, texel: usize, blockers: &Blockers, texels: &mut Vec<f32>) {
         let samples = self.samples as usize;
         let first = texels.len();
-        let nothing = if self.correct { f32::INFINITY } else { blockers.opaque_depth };
+        let nothing = if self.is_corrected() { f32::INFINITY } else { blockers.opaque_depth };
         texels.resize(first + view.channels * samples, nothing);
         for blocker in &blockers.transparent {
             let seed = mask::seed(texel, blocker.triangle, view.key);
@@ -143,7 +133,7 @@ impl StochasticMap {
                 }
             }
         }
-        if self.correct {
+        if self.is_corrected() {
             let kept = |channel: usize| {
                 let depths = &texels[first + channel * samples..][..samples];
                 depths.iter().filter(|depth| depth.is_finite()).count() as f32 / samples as f32
@@ -207,7 +197,7 @@ impl Samples {
                 Some(sample) => f32::from(drawn[sample] < depth),
                 None => drawn.iter().filter(|sample| **sample < depth).count() as f32 / samples as f32,
             };
-            1.0 - if self.technique.correct {
+            1.0 - if self.technique.is_corrected() {
                 Corrected(corrected).blocked(depth, channel, blocked)
             } else {
                 blocked

@@ -3,7 +3,10 @@
 use std::fmt;
 
 use glam::Vec3;
-use sheer_core::parameter::{ParameterInfo, ParameterRange};
+use sheer_core::{
+    bibliography::Work,
+    parameter::{ParameterInfo, ParameterRange},
+};
 use sheer_scene::{FrameLight, model::LightKind};
 
 use crate::{cost::Counters, stage::Stage};
@@ -15,11 +18,13 @@ pub struct ShadowInfo {
     pub id: &'static str,
     /// A line on what it does.
     pub title: &'static str,
-    /// Paper and section.
+    /// Paper and section that describe it.
     pub paper: &'static str,
+    /// The bibliography's entries for [`Self::paper`].
+    pub works: &'static [&'static Work],
     /// What its result is biased in, in words.
     pub bias: &'static str,
-    /// Keys it takes.
+    /// Keys that it takes on the command line.
     pub parameters: &'static [ParameterInfo],
 }
 
@@ -58,20 +63,20 @@ pub(super) struct View<'a> {
     pub(super) light: &'a FrameLight,
     /// 3 where light takes on colour, else 1: red stands for all.
     pub(super) channels: usize,
-    /// Of the frame, the run and the light: makes random numbers differ.
+    /// A hash of frame, seed and light, by which random numbers differ.
     pub(super) key: u32,
 }
 
 /// A point that light arrives at.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Receiver {
-    /// World.
+    /// Its position in world space.
     pub(crate) position: Vec3,
     /// Unit normal of its triangle; either side.
     pub(crate) normal: Vec3,
     /// Unit direction towards the light.
     pub(crate) to_light: Vec3,
-    /// To the light, world units.
+    /// Distance to the light, world units.
     pub(crate) distance: f32,
     /// Makes random taps differ from fragment to fragment: the pixel, and what is hit in it.
     pub(crate) key: [u32; 3],

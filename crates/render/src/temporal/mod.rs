@@ -1,87 +1,141 @@
-//! Adding frames up over time.
+//! Adding frames up over time. One technique a file; to add one, write `temporal/<name>.rs` after the pattern of its
+//! neighbours and put its name into the table below: command line, lists, GPU and the tests that walk all follow.
 
 use std::{fmt, str::FromStr};
 
 use glam::Vec2;
-use rayon::prelude::*;
-use sheer_image::{Image, ImageError, Planes};
+use sheer_core::parameter::{Values, split_name};
+use sheer_image::{ImageError, Planes};
 
+pub use self::technique::AntialiasingInfo;
+use self::{align::Reprojection, technique::Technique};
 use crate::{
     contract::Alignment,
     settings::{FrameSettings, Settings},
 };
 
 mod align;
-pub mod taa;
+mod jitter;
+mod technique;
 
-/// How frames are added up (`-a`).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Antialiasing {
-    /// Not at all: one sample through each pixel centre.
-    None,
-    /// The plain mean of jittered frames of one moment: for stills and references.
-    Accumulate,
-    /// Temporal anti-aliasing by reprojection (Salvi 2016).
-    #[default]
-    Taa,
+/// Why there is no such technique.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum AntialiasingError {
+    /// No technique has that name.
+    #[error("there is no anti-aliasing '{name}'; there are: {known}")]
+    Unknown {
+        /// What was asked for.
+        name: String,
+        /// The names of all techniques, separated by commas.
+        known: String,
+    },
+    /// A key or a value is off.
+    #[error("anti-aliasing '{technique}': {problem}")]
+    Parameter {
+        /// The name of the technique.
+        technique: &'static str,
+        /// What is wrong and what is allowed.
+        problem: String,
+    },
+}
+
+macro_rules! techniques {
+    ($($module:ident :: $name:ident),+ $(,)?) => {
+        $(mod $module;)+
+
+        #[derive(Clone, Copy, Debug, PartialEq)]
+        enum Kind {
+            $($name($module::$name),)+
+        }
+
+        /// All techniques, in the order in which they are listed.
+        pub const ANTIALIASINGS: &[AntialiasingInfo] = &[$($module::INFO),+];
+
+        impl Antialiasing {
+            /// What lists and help say of it, and what a GPU needs of it.
+            #[must_use]
+            pub fn info(&self) -> &'static AntialiasingInfo {
+                match self.kind {
+                    $(Kind::$name(_) => &const { $module::INFO },)+
+                }
+            }
+
+            fn technique(&self) -> &dyn Technique {
+                match &self.kind {
+                    $(Kind::$name(technique) => technique,)+
+                }
+            }
+        }
+
+        impl FromStr for Antialiasing {
+            type Err = AntialiasingError;
+
+            fn from_str(text: &str) -> Result<Self, AntialiasingError> {
+                let (name, settings) = split_name(text);
+                $(if name == $module::INFO.id {
+                    let values = Values::parse($module::INFO.parameters, settings).map_err(|problem| {
+                        AntialiasingError::Parameter { technique: $module::INFO.id, problem }
+                    })?;
+                    return Ok(Self { kind: Kind::$name($module::$name::new(&values)) });
+                })+
+                let known = ANTIALIASINGS.iter().map(|info| info.id).collect::<Vec<_>>().join(", ");
+                Err(AntialiasingError::Unknown { name: name.to_owned(), known })
+            }
+        }
+    };
+}
+
+techniques! {
+    none::None,
+    accumulate::Accumulate,
+    taa::Taa,
+}
+
+/// How frames are added up (`-a`), with its parameters. Parse one from `name:key=value,key=value`; it prints with the keys
+/// that differ from their defaults.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Antialiasing {
+    kind: Kind,
 }
 
 impl Antialiasing {
-    /// All, in the order in which they are listed.
-    pub const ALL: [Self; 3] = [Self::None, Self::Accumulate, Self::Taa];
+    /// Not at all: one sample through each pixel centre.
+    pub const NONE: Self = Self { kind: Kind::None(none::None) };
+    /// The plain mean of jittered frames of one moment: for stills and references.
+    pub const ACCUMULATE: Self = Self { kind: Kind::Accumulate(accumulate::Accumulate) };
+    /// Temporal anti-aliasing by reprojection (Salvi 2016).
+    pub const TAA: Self = Self { kind: Kind::Taa(taa::Taa) };
 
-    /// The word on the command line.
-    #[must_use]
-    pub fn word(self) -> &'static str {
-        match self {
-            Self::None => "none",
-            Self::Accumulate => "accumulate",
-            Self::Taa => "taa",
-        }
+    /// Each key with its value, as they would be typed.
+    pub fn values(&self) -> impl Iterator<Item = (&'static str, String)> {
+        self.info().parameters.iter().map(|parameter| parameter.key).zip(self.technique().values())
+    }
+}
+
+impl Default for Antialiasing {
+    fn default() -> Self {
+        Self::TAA
     }
 }
 
 impl fmt::Display for Antialiasing {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.word())
+        f.write_str(self.info().id)?;
+        let mut separator = ':';
+        for (parameter, (key, value)) in self.info().parameters.iter().zip(self.values()) {
+            if value != parameter.default {
+                write!(f, "{separator}{key}={value}")?;
+                separator = ',';
+            }
+        }
+        Ok(())
     }
 }
 
-impl FromStr for Antialiasing {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        Self::ALL.into_iter().find(|known| known.word() == text).ok_or_else(|| {
-            let known = Self::ALL.map(Self::word).join(", ");
-            format!("there is no anti-aliasing '{text}'; there are: {known}")
-        })
-    }
-}
-
-/// Samples before the jitter of a moving picture repeats: an exponential average of weight 0.1 forgets in about as many, and 16 is coprime
-/// to the 9 frames of the STD walk, so that every threshold meets every offset.
-const JITTER_PERIOD: u32 = 16;
-
-/// Offset of a frame's sample from the pixel centre, in (-0.5, 0.5) pixels: Halton's sequence of bases 2 and 3.
+/// Offset of a frame's sample from the pixel centre, each coordinate in (-0.5, 0.5) pixels.
 #[must_use]
 pub fn jitter(antialiasing: Antialiasing, frame: u32) -> Vec2 {
-    let index = match antialiasing {
-        Antialiasing::None => return Vec2::ZERO,
-        Antialiasing::Accumulate => frame.wrapping_add(1),
-        Antialiasing::Taa => frame % JITTER_PERIOD + 1,
-    };
-    Vec2::new(radical_inverse(index, 2), radical_inverse(index, 3)) - 0.5
-}
-
-/// The digits of `index` in a base, mirrored at the point.
-fn radical_inverse(mut index: u32, base: u32) -> f32 {
-    let (mut value, mut weight) = (0.0, 1.0);
-    while index > 0 {
-        weight /= base as f32;
-        value += weight * (index % base) as f32;
-        index /= base;
-    }
-    value
+    antialiasing.technique().jitter(frame)
 }
 
 /// What has been added up: what [`crate::Pipeline`] keeps from frame to frame, and what other backends are measured against.
@@ -93,7 +147,7 @@ pub struct History {
 }
 
 impl History {
-    /// Empty.
+    /// A history of no frames yet, for a picture of a width and height in pixels.
     ///
     /// # Errors
     /// [`ImageError::Size`] if a side is zero or memory does not suffice.
@@ -113,28 +167,20 @@ impl History {
         &self.planes
     }
 
-    /// Takes in the next frame, of a method whose motion vectors are aligned like this
-    /// ([`crate::Method::alignment`]).
+    /// Takes in the next frame, of a method whose motion vectors are aligned like this ([`crate::Method::alignment`]).
     ///
     /// # Errors
     /// [`ImageError::Size`] if memory does not suffice.
     pub fn add(
         &mut self,
-        current: Planes,
+        mut current: Planes,
         alignment: Alignment,
         settings: &FrameSettings,
     ) -> Result<(), ImageError> {
-        let mut current = current;
         if self.count > 0 {
-            match self.antialiasing {
-                Antialiasing::None => {}
-                Antialiasing::Accumulate => add_to_mean(&self.planes.colour, &mut current.colour, self.count),
-                Antialiasing::Taa => {
-                    let FrameSettings { run: Settings { size, seed, .. }, frame, .. } = *settings;
-                    let reprojection = align::Reprojection { alignment, size, frame, seed };
-                    current.colour = taa::resolve(&current, &self.planes.colour, self.count, reprojection)?;
-                }
-            }
+            let FrameSettings { run: Settings { size, seed, .. }, frame, .. } = *settings;
+            let reprojection = Reprojection { alignment, size, frame, seed };
+            self.antialiasing.technique().resolve(&self.planes, &mut current, self.count, reprojection)?;
         }
         self.count += 1;
         self.planes = current;
@@ -142,42 +188,69 @@ impl History {
     }
 }
 
-/// Turns `current` into the mean of `count` earlier frames, given by theirs, and itself.
-fn add_to_mean(mean: &Image<[f32; 4]>, current: &mut Image<[f32; 4]>, count: u32) {
-    let weight = 1.0 / (count as f32 + 1.0);
-    current.par_rows_mut().zip(mean.par_rows()).for_each(|(current, mean)| {
-        for (current, mean) in current.iter_mut().zip(mean) {
-            *current =
-                std::array::from_fn(|channel| mean[channel] + (current[channel] - mean[channel]) * weight);
-        }
-    });
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    /// More than any technique's jitter repeats after.
+    const FRAMES: u32 = 64;
+
     #[test]
-    fn the_jitter_is_balanced_and_stays_inside_the_pixel() {
-        let offsets: Vec<Vec2> = (0..JITTER_PERIOD).map(|frame| jitter(Antialiasing::Taa, frame)).collect();
-        assert!(offsets.iter().all(|offset| offset.abs().max_element() < 0.5));
-        let mean = offsets.iter().sum::<Vec2>() / JITTER_PERIOD as f32;
-        assert!(mean.abs().max_element() < 0.05, "{mean}");
-        assert_eq!(jitter(Antialiasing::None, 7), Vec2::ZERO);
-        assert_eq!(jitter(Antialiasing::Taa, 3), jitter(Antialiasing::Taa, 3 + JITTER_PERIOD));
-        assert_ne!(jitter(Antialiasing::Accumulate, 3), jitter(Antialiasing::Accumulate, 3 + JITTER_PERIOD));
+    fn every_technique_parses_by_its_own_name_and_prints_it_back() {
+        for info in ANTIALIASINGS {
+            let antialiasing: Antialiasing = info.id.parse().unwrap();
+            assert_eq!(antialiasing.info().id, info.id);
+            assert_eq!(antialiasing.to_string(), info.id, "defaults are not printed");
+            let typed = info.parameters.iter().map(|known| (known.key, known.default.to_owned()));
+            assert!(antialiasing.values().eq(typed), "{}", info.id);
+        }
+        assert_eq!(Antialiasing::default().to_string(), "taa");
     }
 
     #[test]
-    fn accumulation_is_the_plain_mean() {
-        let run = crate::Settings { size: [1, 1], ..Default::default() };
-        let settings = FrameSettings { run, frame: 0, jitter: Vec2::ZERO };
-        let mut history = History::new(Antialiasing::Accumulate, [1, 1]).unwrap();
-        for value in [1.0, 2.0, 6.0] {
+    fn a_wrong_name_or_key_says_what_there_is() {
+        let unknown = "fxaa".parse::<Antialiasing>().unwrap_err().to_string();
+        assert_eq!(unknown, "there is no anti-aliasing 'fxaa'; there are: none, accumulate, taa");
+        let key = "none:weight=1".parse::<Antialiasing>().unwrap_err().to_string();
+        assert!(key.contains("anti-aliasing 'none'") && key.contains("'weight'"), "{key}");
+    }
+
+    #[test]
+    fn every_jitter_is_balanced_and_stays_inside_the_pixel() {
+        for info in ANTIALIASINGS {
+            let antialiasing: Antialiasing = info.id.parse().unwrap();
+            let offsets: Vec<Vec2> = (0..FRAMES).map(|frame| jitter(antialiasing, frame)).collect();
+            assert!(offsets.iter().all(|offset| offset.abs().max_element() < 0.5), "{}", info.id);
+            let mean = offsets.iter().sum::<Vec2>() / FRAMES as f32;
+            assert!(mean.abs().max_element() < 0.05, "{}: {mean}", info.id);
+        }
+        assert_eq!(jitter(Antialiasing::NONE, 7), Vec2::ZERO);
+        assert_eq!(jitter(Antialiasing::TAA, 3), jitter(Antialiasing::TAA, 19));
+        assert_ne!(jitter(Antialiasing::ACCUMULATE, 3), jitter(Antialiasing::ACCUMULATE, 19));
+    }
+
+    /// Histories of one pixel after frames that show `values`.
+    fn added(antialiasing: Antialiasing, values: &[f32]) -> [f32; 4] {
+        let run = Settings { size: [1, 1], ..Default::default() };
+        let mut history = History::new(antialiasing, run.size).unwrap();
+        for (frame, &value) in (0..).zip(values) {
             let mut planes = Planes::new(1, 1).unwrap();
             planes.colour[(0, 0)] = [value; 4];
-            history.add(planes, Alignment::NONE, &settings).unwrap();
+            history.add(planes, Alignment::NONE, &FrameSettings { run, frame, jitter: Vec2::ZERO }).unwrap();
         }
-        assert_eq!(history.planes().colour[(0, 0)], [3.0; 4]);
+        history.planes().colour[(0, 0)]
+    }
+
+    #[test]
+    fn what_stands_still_stays_as_it_is_under_every_technique() {
+        for info in ANTIALIASINGS {
+            assert_eq!(added(info.id.parse().unwrap(), &[0.5; 5]), [0.5; 4], "{}", info.id);
+        }
+    }
+
+    #[test]
+    fn accumulation_is_the_plain_mean_and_no_anti_aliasing_the_last_frame() {
+        assert_eq!(added(Antialiasing::ACCUMULATE, &[1.0, 2.0, 6.0]), [3.0; 4]);
+        assert_eq!(added(Antialiasing::NONE, &[1.0, 2.0, 6.0]), [6.0; 4]);
     }
 }

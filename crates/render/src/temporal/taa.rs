@@ -2,25 +2,85 @@
 //! rectified by the mean and variance of the new frame's neighbourhood (STD section 2.1, Eq. 2).
 
 use glam::{Vec2, Vec3, Vec3A, Vec4};
+use sheer_core::{bibliography, parameter::Values};
 use sheer_image::{Image, ImageError, Planes};
 
-use super::align::Reprojection;
-use crate::contract::AlignmentRule;
+use super::{
+    align::Reprojection,
+    jitter::halton,
+    technique::{AntialiasingInfo, Technique},
+};
+use crate::contract::{AlignmentRule, ShaderConstant, ShaderValue};
+
+/// The row of the technique in lists and help, and what a GPU needs of it.
+pub(super) const INFO: AntialiasingInfo = AntialiasingInfo {
+    id: "taa",
+    title: "an exponential average of reprojected history, clipped to the new frame's neighbourhood",
+    paper: "Salvi 2016, An Excursion in Temporal Supersampling; Brüll, Kern, Grosch (STD), sections 2.1 and 3.2",
+    works: &[&bibliography::SALVI_2016, &bibliography::STD],
+    stores: "the average colour",
+    time_stands_still: false,
+    parameters: &[],
+    constants: &[
+        ShaderConstant::real("NEW_FRAME_WEIGHT", NEW_FRAME_WEIGHT),
+        ShaderConstant::real("CLIP_SIGMAS", CLIP_SIGMAS),
+        ShaderConstant::real("LEAST_DEVIATION", LEAST_DEVIATION),
+        ShaderConstant::real("DEAD_ZONE", AlignmentRule::DEAD_ZONE),
+        // Signed as here: they are loop bounds on both sides of zero.
+        ShaderConstant { name: "OPAQUE_RADIUS", value: ShaderValue::I32(OPAQUE_RADIUS as i32) },
+        ShaderConstant { name: "TRANSPARENT_RADIUS", value: ShaderValue::I32(TRANSPARENT_RADIUS as i32) },
+    ],
+};
+
+/// Samples before the jitter repeats: an exponential average of weight 0.1 forgets in about as many, and 16 is coprime to
+/// the 9 frames of the STD walk, so that every threshold meets every offset.
+const JITTER_PERIOD: u32 = 16;
 
 /// Weight of the new frame (STD Eq. 2).
-pub const NEW_FRAME_WEIGHT: f32 = 0.1;
+const NEW_FRAME_WEIGHT: f32 = 0.1;
 /// History is kept within this many standard deviations of the neighbourhood's mean.
-pub const CLIP_SIGMAS: f32 = 1.0;
-/// Radius of the neighbourhood, pixels: 3×3.
-pub const OPAQUE_RADIUS: i64 = 1;
-/// The same where transparent fragments are: 7×7 (STD section 3.2).
-pub const TRANSPARENT_RADIUS: i64 = 3;
+const CLIP_SIGMAS: f32 = 1.0;
+/// Radius of the neighbourhood of an opaque surface, pixels: 3×3.
+const OPAQUE_RADIUS: i64 = 1;
+/// Radius of the neighbourhood where transparent fragments are, pixels: 7×7 (STD section 3.2).
+const TRANSPARENT_RADIUS: i64 = 3;
 
 /// An even neighbourhood has no deviation to divide by: this one instead.
-pub const LEAST_DEVIATION: f32 = 1e-6;
+const LEAST_DEVIATION: f32 = 1e-6;
+
+/// Temporal anti-aliasing with the constants of STD.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Taa;
+
+impl Taa {
+    pub(super) fn new(_: &Values) -> Self {
+        Self
+    }
+}
+
+impl Technique for Taa {
+    fn jitter(&self, frame: u32) -> Vec2 {
+        halton(frame % JITTER_PERIOD + 1)
+    }
+
+    fn resolve(
+        &self,
+        history: &Planes,
+        current: &mut Planes,
+        count: u32,
+        reprojection: Reprojection,
+    ) -> Result<(), ImageError> {
+        current.colour = resolve(current, &history.colour, count, reprojection)?;
+        Ok(())
+    }
+
+    fn values(&self) -> Vec<String> {
+        Vec::new()
+    }
+}
 
 /// The new history: `current` blended with `history`, the result of `count` earlier frames.
-pub(super) fn resolve(
+fn resolve(
     current: &Planes,
     history: &Image<[f32; 4]>,
     count: u32,
@@ -71,7 +131,7 @@ fn clip(old: Vec4, ycocg: &Image<Vec3A>, [x, y]: [u32; 2], radius: i64, rule: Al
     Vec3::from(rgb_from_ycocg(mean + offset / reach)).extend(old.w)
 }
 
-/// History at a place in pixels (origin at the first pixel's centre); `None` outside the picture.
+/// History at a point in pixels (origin at the first pixel's centre); `None` outside the picture.
 fn fetch(history: &Image<[f32; 4]>, at: Vec2) -> Option<Vec4> {
     let (width, height) = history.size();
     let inside = at.x > -0.5 && at.y > -0.5 && at.x < width as f32 - 0.5 && at.y < height as f32 - 0.5;

@@ -6,9 +6,7 @@ use sheer_core::colour::Premul;
 use sheer_gallery::{LayerColours, layers_closed_form};
 use sheer_image::Planes;
 use sheer_render::{
-    Antialiasing, Counters, Method, Pipeline, Settings, Stage,
-    contract::MethodInfo,
-    method::{Family, METHODS},
+    Antialiasing, Counters, Method, Pipeline, Settings, Stage, contract::MethodInfo, method::METHODS,
 };
 use sheer_scene::CameraChoice;
 
@@ -49,7 +47,7 @@ fn small(width: u32, height: u32) -> Settings {
 
 /// Those that shade one fragment a pixel, whatever their contract.
 fn one_fragment_methods() -> impl Iterator<Item = &'static MethodInfo> {
-    METHODS.iter().filter(|info| info.id.parse::<Method>().unwrap().family() != Family::Compositing)
+    METHODS.iter().filter(|info| info.id.parse::<Method>().unwrap().family().shades_one_fragment())
 }
 
 fn colours(planes: &Planes) -> impl Iterator<Item = Premul> {
@@ -60,7 +58,7 @@ fn colours(planes: &Planes) -> impl Iterator<Item = Premul> {
 fn the_baseline_gives_the_closed_form_of_stacked_layers() {
     for (count, alpha) in [(1, 0.3), (2, 0.45), (8, 0.2), (20, 0.1), (64, 0.05)] {
         let scene = format!("layers:count={count},alpha={alpha},colours=rainbow,background=0.25");
-        let (planes, _) = play(&scene, "baseline", Antialiasing::None, 1, small(16, 9), 2);
+        let (planes, _) = play(&scene, "baseline", Antialiasing::NONE, 1, small(16, 9), 2);
         let expected = layers_closed_form(count, alpha, LayerColours::Rainbow, 0.25);
         for colour in colours(&planes) {
             assert!(
@@ -76,9 +74,9 @@ fn the_baseline_gives_the_closed_form_of_stacked_layers() {
 fn continuation_rays_and_one_traversal_give_the_same_picture() {
     for scene in ["layers:count=20,alpha=0.1,colours=rainbow", "smoke-square:particles=400"] {
         let settings = Settings { start_secs: 6.0, ..small(64, 36) };
-        let (sorted, _) = play(scene, "baseline", Antialiasing::None, 1, settings, 2);
+        let (sorted, _) = play(scene, "baseline", Antialiasing::NONE, 1, settings, 2);
         let (continued, counters) =
-            play(scene, "baseline:trace=continuation", Antialiasing::None, 1, settings, 2);
+            play(scene, "baseline:trace=continuation", Antialiasing::NONE, 1, settings, 2);
         assert_eq!(sorted, continued, "{scene}");
         assert!(counters.camera_rays > 64 * 36, "it did continue");
     }
@@ -89,8 +87,8 @@ fn a_list_of_unordered_fragments_gives_the_picture_of_ordered_ones() {
     // The baseline ends at a visibility of 0.001 and the list does not: of light up to 8 that leaves 0.008.
     for scene in ["layers:count=20,alpha=0.1,colours=rainbow", "smoke-square:particles=400", "pane"] {
         let settings = Settings { start_secs: 6.0, ..small(64, 36) };
-        let (ordered, _) = play(scene, "baseline", Antialiasing::None, 1, settings, 2);
-        let (listed, counters) = play(scene, "list", Antialiasing::None, 1, settings, 2);
+        let (ordered, _) = play(scene, "baseline", Antialiasing::NONE, 1, settings, 2);
+        let (listed, counters) = play(scene, "list", Antialiasing::NONE, 1, settings, 2);
         let worst = colours(&ordered)
             .zip(colours(&listed))
             .map(|(a, b)| (a.rgb - b.rgb).abs().max_element().max((a.alpha - b.alpha).abs()))
@@ -106,9 +104,9 @@ fn a_list_of_spread_samples_is_the_mean_of_pictures_through_each_of_them() {
     // Panels of one colour each: shading is once a pixel, edges are every sample's own. The size is such that edges lie within pixels.
     let settings = small(47, 27);
     let scene = "calibration";
-    let (spread, _) = play(scene, "list:samples=64", Antialiasing::None, 1, settings, 2);
-    let (many, _) = play(scene, "list", Antialiasing::Accumulate, 256, settings, 2);
-    let (one, _) = play(scene, "list", Antialiasing::None, 1, settings, 2);
+    let (spread, _) = play(scene, "list:samples=64", Antialiasing::NONE, 1, settings, 2);
+    let (many, _) = play(scene, "list", Antialiasing::ACCUMULATE, 256, settings, 2);
+    let (one, _) = play(scene, "list", Antialiasing::NONE, 1, settings, 2);
     let rms = |planes: &Planes| {
         let squares = colours(planes).zip(colours(&many)).map(|(a, b)| (a.rgb - b.rgb).length_squared());
         (squares.sum::<f32>() / (3.0 * 47.0 * 27.0)).sqrt()
@@ -121,7 +119,7 @@ fn stochastic_methods_shade_one_fragment_a_pixel_at_most() {
     let scene = sheer_gallery::open("smoke-square:particles=400").unwrap().scene;
     let mut stage = Stage::new(scene, &CameraChoice::Default, Some(2)).unwrap();
     for info in one_fragment_methods() {
-        let (_, counters) = play_on(&mut stage, info.id, Antialiasing::None, 1, small(64, 36));
+        let (_, counters) = play_on(&mut stage, info.id, Antialiasing::NONE, 1, small(64, 36));
         assert_eq!(counters.camera_rays, 64 * 36, "{}", info.id);
         assert!(counters.shaded <= 64 * 36 && counters.shaded > 0, "{}", info.id);
     }
@@ -137,7 +135,7 @@ fn averaging_error(method: &str, count: u32, alpha: f32) -> f32 {
     let (mut sum, mut terms) = (0.0, 0.0_f32);
     for seed in 0..4 {
         let settings = Settings { seed, ..small(21, 12) };
-        let mut pipeline = Pipeline::new(method.parse().unwrap(), Antialiasing::None, settings).unwrap();
+        let mut pipeline = Pipeline::new(method.parse().unwrap(), Antialiasing::NONE, settings).unwrap();
         let mut average = vec![Vec3::ZERO; 21 * 12];
         for index in 0..90 {
             pipeline.render(&stage, index).unwrap();
@@ -171,7 +169,7 @@ fn a_joint_threshold_shows_each_layer_by_its_share() {
         let scene = format!("layers:count={count},alpha={alpha},colours=rainbow,background=0.25");
         let expected = layers_closed_form(count, alpha, LayerColours::Rainbow, 0.25);
         let error = |method: &str| {
-            let (planes, _) = play(&scene, method, Antialiasing::Accumulate, 9, small(64, 64), 2);
+            let (planes, _) = play(&scene, method, Antialiasing::ACCUMULATE, 9, small(64, 64), 2);
             let mean = colours(&planes).map(|colour| colour.rgb).sum::<Vec3>() / 4096.0;
             (mean - expected).abs().max_element()
         };
@@ -187,7 +185,7 @@ fn a_still_pixel_converges_as_the_golden_ratio_moves_its_blue_noise() {
     let scene = "layers:count=8,alpha=0.2,colours=rainbow,background=0.25";
     let expected = layers_closed_form(8, 0.2, LayerColours::Rainbow, 0.25);
     let worst = |method: &str| {
-        let (planes, _) = play(scene, method, Antialiasing::Accumulate, 34 * 9, small(24, 16), 2);
+        let (planes, _) = play(scene, method, Antialiasing::ACCUMULATE, 34 * 9, small(24, 16), 2);
         colours(&planes).map(|colour| (colour.rgb - expected).abs().max_element()).fold(0.0, f32::max)
     };
     let (golden, still) = (worst("joint"), worst("joint:cycle=still"));
@@ -199,7 +197,7 @@ fn a_hybrid_of_1_is_the_pure_method_and_one_of_0_the_baseline_to_the_bit() {
     let settings = Settings { start_secs: 6.0, ..small(48, 27) };
     let scene = sheer_gallery::open("smoke-square:particles=400").unwrap().scene;
     let mut stage = Stage::new(scene, &CameraChoice::Default, Some(2)).unwrap();
-    let mut picture = |method: &str| play_on(&mut stage, method, Antialiasing::None, 1, settings);
+    let mut picture = |method: &str| play_on(&mut stage, method, Antialiasing::NONE, 1, settings);
     let (baseline, exact_cost) = picture("baseline");
     for info in one_fragment_methods() {
         let mut with = |keys: &str| picture(&format!("{}:{keys}", info.id));
@@ -223,7 +221,7 @@ fn a_correction_of_none_changes_no_bit_and_one_of_eq_5_does() {
     .unwrap();
     for info in one_fragment_methods() {
         let mut picture =
-            |method: &str| play_on(&mut stage, method, Antialiasing::Accumulate, 18, small(72, 72)).0;
+            |method: &str| play_on(&mut stage, method, Antialiasing::ACCUMULATE, 18, small(72, 72)).0;
         let plain = picture(info.id);
         assert_eq!(picture(&format!("{}:correction=none", info.id)), plain, "{}", info.id);
         let corrected = picture(&format!("{}:correction=dlss", info.id));
@@ -236,7 +234,7 @@ fn a_hybrid_comes_nearer_to_the_baseline_with_each_fragment_it_shades() {
     let settings = Settings { start_secs: 6.0, ..small(40, 22) };
     let scene = sheer_gallery::open("smoke-square:particles=400").unwrap().scene;
     let mut stage = Stage::new(scene, &CameraChoice::Default, Some(2)).unwrap();
-    let mut picture = |method: &str| play_on(&mut stage, method, Antialiasing::Accumulate, 6, settings);
+    let mut picture = |method: &str| play_on(&mut stage, method, Antialiasing::ACCUMULATE, 6, settings);
     let (exact, _) = picture("baseline");
     for method in ["roulette", "std", "joint"] {
         let steps = ["1", "0.75", "0.5", "0.25", "0"].map(|share| {
@@ -261,7 +259,7 @@ fn a_hybrid_of_roulette_is_unbiased_in_every_pixel() {
     let stage = Stage::new(scene, &CameraChoice::Default, Some(2)).unwrap();
     // Sum over pixels of the squared z of their means, in standard deviations from its expectation; and the largest z.
     let deviation = |method: &str| {
-        let mut pipeline = Pipeline::new(method.parse().unwrap(), Antialiasing::None, small(32, 18)).unwrap();
+        let mut pipeline = Pipeline::new(method.parse().unwrap(), Antialiasing::NONE, small(32, 18)).unwrap();
         let (mut sums, mut squares) = (vec![0.0; 32 * 18], 0.0);
         for index in 0..FRAMES {
             pipeline.render(&stage, index).unwrap();
@@ -291,7 +289,7 @@ fn a_limit_of_layers_bounds_what_a_hybrid_shades() {
     for info in one_fragment_methods() {
         let cost = |keys: &str| {
             let method = format!("{}:{keys}", info.id);
-            play(scene, &method, Antialiasing::None, 1, small(32, 18), 2).1
+            play(scene, &method, Antialiasing::NONE, 1, small(32, 18), 2).1
         };
         let pixels = 32 * 18;
         assert_eq!(cost("hybrid=0").shaded, 21 * pixels, "{}", info.id);
@@ -309,11 +307,11 @@ fn alignment_changes_what_taa_makes_of_motion_and_nothing_else() {
     let camera = CameraChoice::Named("path".to_owned());
     let mut stage = Stage::new(scene, &camera, Some(2)).unwrap();
     let mut picture = |method: &str, aa| play_on(&mut stage, method, aa, 6, small(64, 36)).0;
-    for method in ["std", "joint", "dtaa"] {
+    for method in METHODS.iter().filter(|info| info.alignment_px > 1).map(|info| info.id) {
         for rule in ["off", "round", "dead"] {
             let other = format!("{method}:align={rule}");
-            assert_ne!(picture(method, Antialiasing::Taa), picture(&other, Antialiasing::Taa), "{other}");
-            for still in [Antialiasing::None, Antialiasing::Accumulate] {
+            assert_ne!(picture(method, Antialiasing::TAA), picture(&other, Antialiasing::TAA), "{other}");
+            for still in [Antialiasing::NONE, Antialiasing::ACCUMULATE] {
                 assert_eq!(picture(method, still), picture(&other, still), "{other}");
             }
         }
@@ -325,7 +323,7 @@ fn both_ends_of_alpha_are_exact_for_every_method() {
     for info in METHODS {
         for (alpha, expected) in [(0.0, Vec3::splat(0.25)), (1.0, Vec3::ONE)] {
             let scene = format!("layers:count=5,alpha={alpha},background=0.25");
-            let (planes, _) = play(&scene, info.id, Antialiasing::Taa, 20, small(32, 18), 2);
+            let (planes, _) = play(&scene, info.id, Antialiasing::TAA, 20, small(32, 18), 2);
             let worst = colours(&planes)
                 .map(|colour| (colour.rgb - expected).abs().max_element())
                 .fold(0.0, f32::max);
@@ -343,7 +341,7 @@ fn any_number_of_threads_gives_the_same_bits() {
     let mut stages = [1, 2].map(stage);
     for info in METHODS {
         let [(one, cost_of_one), (two, cost_of_two)] =
-            stages.each_mut().map(|stage| play_on(stage, info.id, Antialiasing::Taa, 3, small(70, 45)));
+            stages.each_mut().map(|stage| play_on(stage, info.id, Antialiasing::TAA, 3, small(70, 45)));
         assert_eq!(one, two, "{}", info.id);
         assert_eq!(cost_of_one, cost_of_two, "{}", info.id);
     }
@@ -354,7 +352,7 @@ fn another_seed_draws_other_thresholds() {
     for info in one_fragment_methods() {
         let run = |seed| {
             let settings = Settings { seed, ..small(32, 18) };
-            play("layers:count=3,alpha=0.5", info.id, Antialiasing::None, 1, settings, 1).0
+            play("layers:count=3,alpha=0.5", info.id, Antialiasing::NONE, 1, settings, 1).0
         };
         assert_ne!(run(0).colour, run(1).colour, "{}", info.id);
     }
@@ -362,9 +360,9 @@ fn another_seed_draws_other_thresholds() {
 
 #[test]
 fn a_still_scene_seen_by_a_still_camera_has_no_motion() {
-    let (planes, _) = play("layers", "std", Antialiasing::Taa, 3, small(32, 18), 1);
+    let (planes, _) = play("layers", "std", Antialiasing::TAA, 3, small(32, 18), 1);
     assert!(planes.motion.as_slice().iter().all(|motion| *motion == [0.0; 2]));
-    let (planes, _) = play("smoke-square:particles=100", "std", Antialiasing::Taa, 3, small(32, 18), 1);
+    let (planes, _) = play("smoke-square:particles=100", "std", Antialiasing::TAA, 3, small(32, 18), 1);
     assert!(planes.motion.as_slice().iter().any(|motion| motion[0] != 0.0), "the path camera moves");
 }
 
@@ -372,9 +370,9 @@ fn a_still_scene_seen_by_a_still_camera_has_no_motion() {
 fn without_a_background_the_alpha_is_what_the_scene_covers() {
     let scene = "layers:count=2,alpha=0.5";
     let settings = Settings { background: sheer_render::Background::None, ..small(16, 9) };
-    let (planes, _) = play(scene, "baseline", Antialiasing::None, 1, settings, 1);
+    let (planes, _) = play(scene, "baseline", Antialiasing::NONE, 1, settings, 1);
     // The scene brings an opaque background of its own.
     assert!(colours(&planes).all(|colour| colour.alpha > 0.999));
-    let (planes, _) = play("plume:particles=200", "baseline", Antialiasing::None, 1, settings, 1);
+    let (planes, _) = play("plume:particles=200", "baseline", Antialiasing::NONE, 1, settings, 1);
     assert!(colours(&planes).all(|colour| (0.0..=1.0).contains(&colour.alpha)));
 }

@@ -313,7 +313,7 @@ fn any_number_of_threads_gives_the_same_bits() {
     let mut render = |technique: &str| {
         let settings = Settings { size: [48, 27], shadow: technique.parse().unwrap(), ..Settings::default() };
         stages.each_mut().map(|stage| {
-            let mut pipeline = Pipeline::new("std".parse().unwrap(), Antialiasing::None, settings).unwrap();
+            let mut pipeline = Pipeline::new("std".parse().unwrap(), Antialiasing::NONE, settings).unwrap();
             stage.advance(pipeline.clock().at(0));
             let (counters, timings) = pipeline.render(stage, 0).unwrap();
             assert!(timings.shadow_ms <= timings.trace_ms);

@@ -6,7 +6,9 @@ use sheer_core::{colour::Premul, hash::Pcg32};
 use sheer_image::Planes;
 use sheer_render::{
     Antialiasing, Background, Counters, Method, Pipeline, Settings, Stage,
-    contract::{Compositing, Fragment, PixelSite, Selection, Threshold, Visitor},
+    contract::{
+        Fragment, OrderedCompositing, PixelSite, Selection, Threshold, UnorderedCompositing, Visitor,
+    },
 };
 use sheer_scene::CameraChoice;
 
@@ -50,7 +52,7 @@ fn small(width: u32, height: u32) -> Settings {
 }
 
 fn render(stage: &mut Stage, method: &str, settings: Settings) -> (Planes, Counters) {
-    let mut pipeline = Pipeline::new(method.parse().unwrap(), Antialiasing::None, settings).unwrap();
+    let mut pipeline = Pipeline::new(method.parse().unwrap(), Antialiasing::NONE, settings).unwrap();
     stage.advance(pipeline.clock().at(0));
     let (counters, _) = pipeline.render(stage, 0).unwrap();
     (pipeline.planes().clone(), counters)
@@ -94,7 +96,11 @@ impl Visitor for Fill<'_> {
         unreachable!("only compositing methods are asked")
     }
 
-    fn compositing(self, method: &impl Compositing) -> Self::Output {
+    fn ordered(self, _: &impl OrderedCompositing) -> Self::Output {
+        unreachable!("only compositing methods are asked")
+    }
+
+    fn unordered(self, method: &impl UnorderedCompositing) -> Self::Output {
         let samples = method.samples();
         let mut pixel = method.begin(&self.site);
         for pass in 0..method.pass_count() {
@@ -237,7 +243,11 @@ fn adaptive_passes_end_where_nothing_varies_and_go_on_where_something_does() {
             fn selection(self, _: &impl Selection) -> usize {
                 unreachable!("only compositing methods are asked")
             }
-            fn compositing(self, method: &impl Compositing) -> usize {
+            fn ordered(self, _: &impl OrderedCompositing) -> usize {
+                unreachable!("only compositing methods are asked")
+            }
+
+            fn unordered(self, method: &impl UnorderedCompositing) -> usize {
                 let site = PixelSite { pixel: [3, 5], frame: 0, seed: 0, depth_range: [1.0, 100.0] };
                 let mut pixel = method.begin(&site);
                 for pass in 0..method.pass_count() {

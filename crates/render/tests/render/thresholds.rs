@@ -1,33 +1,46 @@
 //! What the threshold methods promise of their thresholds: spread, stratification, and how stacked layers mask one another.
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
+use glam::Vec3;
 use sheer_gallery::{LayerColours, layers_closed_form};
 use sheer_render::{
     Antialiasing, Method, Pipeline, Settings, Stage,
-    contract::{Compositing, Selection, Site, Tables, Threshold, Visitor, keeps},
+    contract::{
+        OrderedCompositing, Selection, Site, Tables, Threshold, UnorderedCompositing, Visitor, keeps,
+    },
+    method::{Family, METHODS},
 };
 use sheer_scene::CameraChoice;
 
+/// All methods with a threshold for each hit.
+fn methods() -> impl Iterator<Item = Method> {
+    METHODS.iter().map(|info| parse(info.id)).filter(|method| method.family() == Family::Threshold)
+}
+
 /// The threshold of a method at one site.
-struct At<'a>(&'a Site<1>);
+struct At<'a>(&'a Site);
 
 impl Visitor for At<'_> {
     type Output = f32;
 
     fn threshold(self, method: &impl Threshold) -> f32 {
-        method.threshold(self.0, &Tables::get())[0]
+        method.threshold(self.0, &Tables::get())
     }
 
     fn selection(self, _: &impl Selection) -> f32 {
         unreachable!("only threshold methods are asked")
     }
 
-    fn compositing(self, _: &impl Compositing) -> f32 {
+    fn ordered(self, _: &impl OrderedCompositing) -> f32 {
+        unreachable!("only threshold methods are asked")
+    }
+
+    fn unordered(self, _: &impl UnorderedCompositing) -> f32 {
         unreachable!("only threshold methods are asked")
     }
 }
 
-fn threshold(method: &Method, site: &Site<1>) -> f32 {
+fn threshold(method: &Method, site: &Site) -> f32 {
     method.visit(At(site))
 }
 
@@ -36,17 +49,17 @@ fn parse(method: &str) -> Method {
 }
 
 /// Sites of an object all over a square of pixels in some frames.
-fn sites(side: u32, frames: std::ops::Range<u32>, instance: u32) -> impl Iterator<Item = Site<1>> {
+fn sites(side: u32, frames: std::ops::Range<u32>, instance: u32) -> impl Iterator<Item = Site> {
     frames.flat_map(move |frame| {
         (0..side * side).map(move |index| {
             let [x, y] = [index % side, index / side];
             Site {
-                pixel: [[x], [y]],
+                pixel: [x, y],
                 frame,
-                instance: [instance],
-                position: [[x as f32], [y as f32], [instance as f32]],
-                position_in_object: [[x as f32], [y as f32], [0.0]],
-                footprint_in_object: [0.8],
+                instance,
+                position: Vec3::new(x as f32, y as f32, instance as f32),
+                position_in_object: Vec3::new(x as f32, y as f32, 0.0),
+                footprint_in_object: 0.8,
                 ..Site::default()
             }
         })
@@ -60,7 +73,7 @@ fn second_layer_share(method: &str, alpha: f32, frames: std::ops::Range<u32>) ->
     let shares: Vec<f64> = (0..PAIR_COUNT)
         .map(|pair| {
             let seen = sites(15, frames.clone(), 2 * pair).filter(|first| {
-                let second = Site { instance: [2 * pair + 1], ..*first };
+                let second = Site { instance: 2 * pair + 1, ..*first };
                 !keeps(alpha, || threshold(&method, first)) && keeps(alpha, || threshold(&method, &second))
             });
             seen.count() as f64 / sites(15, frames.clone(), 0).count() as f64
@@ -77,8 +90,8 @@ fn dtaa_masks_the_second_of_two_equal_layers_and_methods_with_maps_of_their_own_
     for alpha in [0.25, 0.5, 0.75] {
         assert_eq!(second_layer_share("dtaa", alpha, 0..3), (0.0, 0.0), "alpha {alpha}");
         let free = f64::from(alpha * (1.0 - alpha));
-        for method in ["dtaa-unique", "std", "hashed", "stbn"] {
-            let (mean, _) = second_layer_share(method, alpha, 0..3);
+        for method in methods().filter(|method| method.info().id != "dtaa") {
+            let (mean, _) = second_layer_share(&method.to_string(), alpha, 0..3);
             // Pairs of objects draw from few maps with few thresholds each: not quite as if they were independent.
             assert!((mean - free).abs() < 0.03, "{method} at alpha {alpha}: {mean} of {free}");
         }
@@ -121,19 +134,19 @@ fn maps_drawn_anew_free_any_two_objects_of_masking_one_another_for_good() {
 }
 
 /// Standard deviations by which the chi-square statistic of 64 equally likely bins exceeds its mean, over objects, pixels and frames.
-fn chi_square_z(value: impl Fn(&Site<1>) -> f32) -> f64 {
+fn chi_square_z(value: impl Fn(&Site) -> f32) -> f64 {
     let mut counts = [0_u32; 64];
     // Far from one another: neighbours share cells and strata.
     for number in 0..1_u32 << 16 {
         let [x, y] = [number.wrapping_mul(2_654_435_761) >> 20, number.wrapping_mul(2_246_822_519) >> 20];
         let site = Site {
-            pixel: [[x], [y]],
+            pixel: [x, y],
             frame: number,
-            instance: [number],
-            primitive: [number],
-            position: [[x as f32 / 16.0], [y as f32 / 16.0], [1.0]],
-            position_in_object: [[x as f32], [y as f32], [1.0]],
-            footprint_in_object: [0.3 + x as f32 / 4096.0],
+            instance: number,
+            primitive: number,
+            position: Vec3::new(x as f32 / 16.0, y as f32 / 16.0, 1.0),
+            position_in_object: Vec3::new(x as f32, y as f32, 1.0),
+            footprint_in_object: 0.3 + x as f32 / 4096.0,
             ..Site::default()
         };
         counts[(value(&site) * 64.0) as usize] += 1;
@@ -145,11 +158,10 @@ fn chi_square_z(value: impl Fn(&Site<1>) -> f32) -> f64 {
 
 #[test]
 fn the_thresholds_of_every_method_are_uniform_over_objects_and_pixels() {
-    for name in ["roulette", "dtaa", "dtaa-unique", "std", "hashed", "stbn"] {
-        let method = parse(name);
+    for method in methods() {
         // Dithered thresholds are more even than chance would have them: only the upper end says something.
         let z = chi_square_z(|site| threshold(&method, site));
-        assert!(z < 4.0, "{name}: z = {z}");
+        assert!(z < 4.0, "{method}: z = {z}");
     }
 }
 
@@ -167,7 +179,7 @@ fn hashed_layers_converge_to_the_closed_form() {
     let scene = sheer_gallery::open("layers:count=3,alpha=0.4,background=0").unwrap().scene;
     let mut stage = Stage::new(scene, &CameraChoice::Default, Some(2)).unwrap();
     let settings = Settings { size: [width, height], ..Settings::default() };
-    let mut pipeline = Pipeline::new(parse("hashed"), Antialiasing::Accumulate, settings).unwrap();
+    let mut pipeline = Pipeline::new(parse("hashed"), Antialiasing::ACCUMULATE, settings).unwrap();
     for index in 0..FRAMES {
         stage.advance(pipeline.clock().at(index));
         pipeline.render(&stage, index).unwrap();

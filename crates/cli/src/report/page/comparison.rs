@@ -197,7 +197,7 @@ mod tests {
     fn page_of(scene: &str) -> String {
         let measured = |method: &str| Measured {
             method: method.parse().unwrap(),
-            antialiasing: Antialiasing::Taa,
+            antialiasing: Antialiasing::TAA,
             frame_ms: vec![1.0, 2.0],
             ms_median: 1.5,
             ms_min: 1.0,

@@ -4,7 +4,9 @@ use glam::Vec3;
 use sheer_metrics::statistics::Moments;
 use sheer_render::{
     Method,
-    contract::{Compositing, Fragment, PixelSite, Selection, Threshold, Visitor},
+    contract::{
+        Fragment, OrderedCompositing, PixelSite, Selection, Threshold, UnorderedCompositing, Visitor,
+    },
 };
 
 use super::stack::Stack;
@@ -56,7 +58,11 @@ impl<F: FnMut([f64; 3])> Visitor for Trials<'_, F> {
         Err(LabError::Misuse("a method of one fragment takes no made-up ones".to_owned()))
     }
 
-    fn compositing(mut self, method: &impl Compositing) -> Self::Output {
+    fn ordered(self, _: &impl OrderedCompositing) -> Self::Output {
+        Err(LabError::Misuse("a method that wants its fragments in order takes no made-up ones".to_owned()))
+    }
+
+    fn unordered(mut self, method: &impl UnorderedCompositing) -> Self::Output {
         let samples = method.samples();
         let background = Vec3::from_array(self.stack.background.map(|value| value as f32));
         for trial in 0..self.count {

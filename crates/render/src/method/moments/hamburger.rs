@@ -1,6 +1,6 @@
-//! The truncated Hamburger moment problem: how much of a distribution lies in front of a place, if only its first moments are known.
+//! The truncated Hamburger moment problem: how much of a distribution lies in front of a depth, if only its first moments are known.
 //!
-//! Among all distributions with these moments there is one that has as much as possible at the place asked for, `z`. Its other points are
+//! Among all distributions with these moments there is one that has as much as possible at the depth asked for, `z`. Its other points are
 //! the zeros of `K(z, ·)`, where `K(x, y) = v(x)ᵀ B⁻¹ v(y)` with `v(x) = (1, x, x², …)` and `B` the Hankel matrix of the moments, and each
 //! point `x` has the mass `1 / K(x, x)` (Peters and Klein 2015, *Moment Shadow Mapping*, section 4; the form by masses is that of Gaussian
 //! quadrature). What lies in front of `z` is sharply bounded by its mass in front without and with that at `z` itself.
@@ -9,14 +9,14 @@
 pub(super) const MOST_MOMENTS: usize = 8;
 /// Rows of the Hankel matrix of the most moments.
 const MOST_ROWS: usize = MOST_MOMENTS / 2 + 1;
-/// Rounding of sums in 32 bits may leave no pivot. One far below the bias of the moments, 5e-7 at least, says that all is in one place.
+/// Rounding of sums in 32 bits may leave no pivot. One far below the bias of the moments, 5e-7 at least, says that all lies at one depth.
 const LEAST_PIVOT: f64 = 1e-10;
 
 /// Moments of a distribution of mass 1, factorised.
 #[derive(Clone, Debug)]
 pub(super) struct Problem {
     rows: usize,
-    /// Of `B = L D Lᵀ`: below the diagonal.
+    /// The triangular factor of `B = L D Lᵀ`, below its diagonal of ones.
     lower: [[f64; MOST_ROWS]; MOST_ROWS],
     /// The inverse of the diagonal of `D`.
     inverse_pivots: [f64; MOST_ROWS],
@@ -26,7 +26,7 @@ impl Problem {
     pub(super) const EMPTY: Self =
         Self { rows: 0, lower: [[0.0; MOST_ROWS]; MOST_ROWS], inverse_pivots: [0.0; MOST_ROWS] };
 
-    /// From the first moment and all further ones, an even number.
+    /// The problem of an even number of moments, the first one and so on.
     pub(super) fn new(moments: &[f64]) -> Self {
         let mut problem = Self { rows: moments.len() / 2 + 1, ..Self::EMPTY };
         let hankel = |row: usize, column: usize| match row + column {
@@ -141,7 +141,7 @@ fn real_roots(coefficients: &[f64], roots: &mut Roots) {
     }
 }
 
-/// Two places, going up or down from one, between which the polynomial changes its sign. Most roots are within a unit, so it begins small.
+/// Two arguments, going up or down from one, between which the polynomial changes its sign. Most roots are within a unit, so it begins small.
 fn change_beyond(coefficients: &[f64], from: f64, direction: f64) -> Option<[f64; 2]> {
     let is_negative = |x| value_and_slope(coefficients, x).0 < 0.0;
     let begins_negative = is_negative(from);

@@ -1,12 +1,13 @@
 //! Which samples a fragment covers by chance.
 
 use sheer_core::{
+    choice,
     hash::{pcg2d, pcg3d, pcg4d},
     mask::{
         ALPHA_BITS, CURVE_SIDE, OPAQUE, along_curve, coin_mask, mask_table, quantised_alpha, set_size,
         stratified_threshold,
     },
-    parameter::Values,
+    parameter::{Switch, Values},
 };
 
 use super::pixel::covered;
@@ -20,49 +21,60 @@ pub(super) struct Masks {
     kind: Kind,
     seed_by: SeedBy,
     reseeds: bool,
-    is_tiled: bool,
+    dither: Dither,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kind {
-    Stratified,
-    Naive,
-    LaineKarras,
-    AlphaToCoverage,
+choice! {
+    /// How the samples that a fragment covers are chosen.
+    pub(super) enum Kind {
+        /// `R = ⌊αS + ξ⌋` samples, a random subset (ST section 3.1).
+        Stratified = "stratified",
+        /// Each sample flips a coin of its own.
+        Naive = "naive",
+        /// Stratified over neighbours and layers, too (Laine and Karras 2011).
+        LaineKarras = "laine-karras",
+        /// Always the first R samples, as alpha-to-coverage has it.
+        AlphaToCoverage = "a2c",
+    }
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum SeedBy {
-    Primitive,
-    Object,
-    Depth,
+choice! {
+    /// Who draws one mask in a pixel.
+    pub(super) enum SeedBy {
+        /// Each triangle of each object.
+        Primitive = "primitive",
+        /// Each object, all its triangles together.
+        Object = "object",
+        /// All that lies at one depth.
+        Depth = "depth",
+    }
+}
+
+choice! {
+    /// Where ξ comes from.
+    pub(super) enum Dither {
+        /// From a hash of pixel and surface.
+        Off = "off",
+        /// From a tile of blue noise, moved for each surface.
+        Tile = "tile",
+    }
 }
 
 impl Masks {
     pub(super) fn new(values: &Values) -> Self {
-        let kind = match values.text("masks") {
-            "naive" => Kind::Naive,
-            "laine-karras" => Kind::LaineKarras,
-            "a2c" => Kind::AlphaToCoverage,
-            _ => Kind::Stratified,
-        };
-        let seed_by = match values.text("seed-by") {
-            "object" => SeedBy::Object,
-            "depth" => SeedBy::Depth,
-            _ => SeedBy::Primitive,
-        };
         Self {
             samples: values.count("samples"),
             rounds: values.count("passes"),
-            kind,
-            seed_by,
-            reseeds: values.text("reseed") == "on",
-            is_tiled: values.text("dither") == "tile",
+            kind: values.choice("masks"),
+            seed_by: values.choice("seed-by"),
+            reseeds: values.choice::<Switch>("reseed") == Switch::On,
+            dither: values.choice("dither"),
         }
     }
 
-    pub(super) fn is_order_independent(self) -> bool {
-        self.kind != Kind::LaineKarras
+    /// Whether the mask of a fragment depends on which ones came before it.
+    pub(super) fn depend_on_order(self) -> bool {
+        self.kind == Kind::LaineKarras
     }
 
     /// The mask of a fragment in one of the rounds. `unhidden` are the samples where nothing that came before is in front of it.
@@ -77,7 +89,10 @@ impl Masks {
             Kind::Stratified | Kind::AlphaToCoverage => {
                 let [bits, xi, odd, seed] = in_pixel(site, surface);
                 let alpha = quantised_alpha(fragment.alpha, bits);
-                let xi = if self.is_tiled { tiled_xi(site, surface) } else { xi >> (u32::BITS - ALPHA_BITS) };
+                let xi = match self.dither {
+                    Dither::Off => xi >> (u32::BITS - ALPHA_BITS),
+                    Dither::Tile => tiled_xi(site, surface),
+                };
                 let size = self.size_in_round(set_size(alpha, self.samples * self.rounds, xi), round, odd);
                 if self.kind == Kind::AlphaToCoverage {
                     return u64::MAX.checked_shr(u64::BITS - size).unwrap_or(0);
@@ -119,8 +134,8 @@ impl Masks {
         let first = along_curve(site.pixel) * per_pixel + round * self.samples;
         let limit = (f64::from(alpha) * 2.0_f64.powi(32)) as u32;
         let samples = covered(unhidden & (u64::MAX >> (u64::BITS - self.samples)));
-        (first..).zip(samples).fold(0, |mask, (place, sample)| {
-            mask | u64::from(stratified_threshold(place, surface) < limit) << sample
+        (first..).zip(samples).fold(0, |mask, (index, sample)| {
+            mask | u64::from(stratified_threshold(index, surface) < limit) << sample
         })
     }
 }

@@ -7,9 +7,10 @@ use std::ops::ControlFlow;
 
 use glam::Vec3;
 use sheer_core::{
+    bibliography, choice,
     colour::luminance,
     mask::MOST_SAMPLES,
-    parameter::{ParameterInfo, ParameterRange, Values},
+    parameter::{ParameterInfo, ParameterRange, Switch, Values},
 };
 
 use self::{
@@ -17,27 +18,51 @@ use self::{
     pixel::{Pixel, Sums, covered},
 };
 use crate::contract::{
-    Compositing, Fragment, Gathering, LayerFilter, Memory, MethodInfo, PixelSite, Placement, RETRACE_PARAMETER,
-    Samples, Visitor,
+    Fragment, LayerFilter, Memory, MethodInfo, Multisample, NoRaster, PixelSite, Placement, Raster, Retrace,
+    SampleContent, Samples, UnorderedCompositing, Visitor,
 };
 
 mod masks;
 mod pixel;
 
-const fn choice(
-    key: &'static str,
-    default: &'static str,
-    words: &'static [&'static str],
-    what: &'static str,
-) -> ParameterInfo {
-    ParameterInfo { key, default, range: ParameterRange::Choice(words), what }
+choice! {
+    /// Where the samples lie: [`Placement`] by its words.
+    enum PlacementChoice {
+        /// [`Placement::Centre`].
+        Centre = "centre",
+        /// [`Placement::Box`].
+        Box = "box",
+        /// [`Placement::Gaussian`].
+        Gaussian = "gaussian",
+    }
 }
 
-/// Its entry in the table.
+choice! {
+    /// What the colour of the transparent layer is made from.
+    enum Estimator {
+        /// A fragment counts by the samples that do not hide it (ST section 3.4).
+        Depth = "depth",
+        /// A sample has the colour of its nearest fragment (ST section 3.1).
+        Basic = "basic",
+    }
+}
+
+choice! {
+    /// What is laid over the transparent layer.
+    enum FilterChoice {
+        /// Noise stays as it is.
+        None = "none",
+        /// A cross-bilateral filter (ST section 6).
+        Bilateral = "bilateral",
+    }
+}
+
+/// The row of the method in lists and help, and what a GPU needs of it.
 pub const INFO: MethodInfo = MethodInfo {
     id: "stochastic",
     title: "each fragment covers a random subset of the pixel's samples; a z-buffer a sample does the rest",
     paper: "Enderton, Sintorn, Shirley, Luebke (ST)",
+    works: &[&bibliography::ST],
     bias: "none with correct=off; with correct=on less noise, and a bias that falls with the samples \
            (estimator=depth); adaptive and filter add theirs",
     parameters: &[
@@ -53,42 +78,40 @@ pub const INFO: MethodInfo = MethodInfo {
             range: ParameterRange::Count(1, MOST_SAMPLES),
             what: "stochastic passes, each with samples of its own, averaged before the one division (ST section 3.5)",
         },
-        choice(
+        PlacementChoice::parameter(
             "placement",
-            "centre",
-            &["centre", "box", "gaussian"],
+            PlacementChoice::Centre,
             "samples all in the pixel centre; or spread over the pixel, or by a small Gaussian: spatial anti-aliasing",
         ),
-        choice(
+        masks::Kind::parameter(
             "masks",
-            "stratified",
-            &["stratified", "naive", "laine-karras", "a2c"],
+            masks::Kind::Stratified,
             "R = ⌊αS + ξ⌋ random samples; a coin a sample; stratified over neighbours and layers, too (Laine and Karras 2011); \
              always the first R, as alpha-to-coverage has it, so that layers hide one another",
         ),
-        choice(
+        Estimator::parameter(
             "estimator",
-            "depth",
-            &["depth", "basic"],
+            Estimator::Depth,
             "every fragment weighted by its visibility in a stochastic depth map (ST section 3.4); or winners only (3.1)",
         ),
-        choice("correct", "on", &["on", "off"], "alpha correction by the exact total alpha (ST section 3.3)"),
-        choice(
+        Switch::parameter(
+            "correct",
+            Switch::On,
+            "alpha correction by the exact total alpha (ST section 3.3)",
+        ),
+        masks::SeedBy::parameter(
             "seed-by",
-            "primitive",
-            &["primitive", "object", "depth"],
+            masks::SeedBy::Primitive,
             "whose mask is one and the same (ST section 6); front and back faces differ in any case",
         ),
-        choice(
+        Switch::parameter(
             "reseed",
-            "on",
-            &["on", "off"],
+            Switch::On,
             "new masks each frame, for accumulation over time; or noise that stands still, as the paper's",
         ),
-        choice(
+        masks::Dither::parameter(
             "dither",
-            "off",
-            &["off", "tile"],
+            masks::Dither::Off,
             "ξ drawn at random; or dithered over a tile of pixels by blue noise (ST section 3.1)",
         ),
         ParameterInfo {
@@ -97,15 +120,16 @@ pub const INFO: MethodInfo = MethodInfo {
             range: ParameterRange::Real(0.0, 1.0),
             what: "passes end in a pixel whose brightness has a smaller standard error (ST section 6); 0: never",
         },
-        choice(
+        FilterChoice::parameter(
             "filter",
-            "none",
-            &["none", "bilateral"],
+            FilterChoice::None,
             "blur of the transparent layer across pixels of similar total alpha (ST section 6)",
         ),
-        RETRACE_PARAMETER,
+        Retrace::PARAMETER,
     ],
     alignment_px: 1,
+    constants: &[],
+    tables: &[],
 };
 
 /// Rounds before adaptive passes may end: fewer agree by chance too often, and such a pixel would keep its error.
@@ -114,7 +138,7 @@ const LEAST_ROUNDS: u32 = 4;
 /// steps as small as this are edges.
 const FILTER: LayerFilter = LayerFilter { radius_px: 2, sigma_px: 1.0, sigma_alpha: 0.05 };
 
-/// Stochastic transparency.
+/// Stochastic transparency with one of its estimators over a number of samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stochastic {
     samples: Samples,
@@ -122,18 +146,10 @@ pub struct Stochastic {
     masks: Masks,
     estimator: Estimator,
     is_corrected: bool,
-    retraces: bool,
+    retrace: Retrace,
     /// Standard error below which passes end.
     adaptive: f32,
     filter: Option<LayerFilter>,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Estimator {
-    /// A sample has the colour of its nearest fragment.
-    Basic,
-    /// A fragment counts by the samples that do not hide it.
-    Depth,
 }
 
 /// What a pass over all fragments is for.
@@ -151,26 +167,29 @@ enum Step {
 
 impl Stochastic {
     pub(crate) fn new(values: &Values) -> Self {
-        let placement = match values.text("placement") {
-            "box" => Placement::Box,
-            "gaussian" => Placement::Gaussian,
-            _ => Placement::Centre,
+        let placement = match values.choice("placement") {
+            PlacementChoice::Centre => Placement::Centre,
+            PlacementChoice::Box => Placement::Box,
+            PlacementChoice::Gaussian => Placement::Gaussian,
         };
-        let estimator = if values.text("estimator") == "basic" { Estimator::Basic } else { Estimator::Depth };
+        let filter = match values.choice("filter") {
+            FilterChoice::None => None,
+            FilterChoice::Bilateral => Some(FILTER),
+        };
         Self {
             samples: Samples { count: values.count("samples"), placement },
             passes: values.count("passes"),
             masks: Masks::new(values),
-            estimator,
-            is_corrected: values.text("correct") == "on",
-            retraces: values.text("retrace") == "on",
+            estimator: values.choice("estimator"),
+            is_corrected: values.choice::<Switch>("correct") == Switch::On,
+            retrace: values.choice(Retrace::PARAMETER.key),
             adaptive: values.real("adaptive"),
-            filter: (values.text("filter") == "bilateral").then_some(FILTER),
+            filter,
         }
     }
 
     pub(crate) fn accept<V: Visitor>(&self, visitor: V) -> V::Output {
-        visitor.compositing(self)
+        visitor.unordered(self)
     }
 
     fn step(&self, pass: usize) -> Step {
@@ -185,7 +204,7 @@ impl Stochastic {
         }
     }
 
-    /// Shared part of all steps with masks: the samples that a fragment wins. `seen` are those that hide it by nothing yet.
+    /// The samples that a fragment wins, for all steps with masks. `seen` are those that hide it by nothing yet.
     fn winning(&self, pixel: &Pixel, round: u32, fragment: &Fragment<'_>) -> u64 {
         let seen = pixel.seen(fragment);
         // Samples that it does not cover count as seen: so that triangles which share the samples of a pixel share the strata, too.
@@ -199,7 +218,11 @@ impl Stochastic {
             return sums.rgb / (rounds * self.samples.count).max(1) as f32;
         }
         // Filtered first, then divided (ST section 4.2); a pixel without any winner stays empty (4.1).
-        if sums.ones > 0.0 { pixel.total_alpha(self.samples.count) / sums.ones * sums.rgb } else { Vec3::ZERO }
+        if sums.ones > 0.0 {
+            pixel.total_alpha(self.samples.count) / sums.ones * sums.rgb
+        } else {
+            Vec3::ZERO
+        }
     }
 
     /// The sums of the round that is under way.
@@ -211,11 +234,11 @@ impl Stochastic {
     }
 }
 
-impl Compositing for Stochastic {
+impl UnorderedCompositing for Stochastic {
     type Pixel = Pixel;
 
-    fn gathering(&self) -> Gathering {
-        Gathering::Unordered { each_pass: self.retraces }
+    fn retrace(&self) -> Retrace {
+        self.retrace
     }
 
     fn samples(&self) -> Samples {
@@ -240,7 +263,11 @@ impl Compositing for Stochastic {
     }
 
     fn is_order_independent(&self) -> bool {
-        self.masks.is_order_independent()
+        !self.masks.depend_on_order()
+    }
+
+    fn is_random(&self) -> bool {
+        true
     }
 
     fn memory(&self) -> Memory {
@@ -250,6 +277,34 @@ impl Compositing for Stochastic {
 
     fn layer_filter(&self) -> Option<LayerFilter> {
         self.filter
+    }
+
+    fn raster(&self) -> Result<Raster, NoRaster> {
+        let no = |what: &str, instead| Err(NoRaster { what: what.to_owned(), instead: Some(instead) });
+        if self.masks.depend_on_order() {
+            return no("masks=laine-karras needs the order of drawing", "take masks=stratified");
+        }
+        if self.samples.placement == Placement::Gaussian {
+            return no(
+                "placement=gaussian leaves the pixel, the hardware's samples do not",
+                "take placement=box",
+            );
+        }
+        if self.filter.is_some() {
+            return no("filter=bilateral is not drawn by raster", "take filter=none");
+        }
+        if self.adaptive > 0.0 {
+            return no("as many rounds are drawn in all pixels", "take adaptive=0");
+        }
+        Ok(Raster::Multisample(Multisample {
+            samples: self.samples.count,
+            passes: self.passes,
+            keeps: match self.estimator {
+                Estimator::Basic => SampleContent::Colour,
+                Estimator::Depth => SampleContent::Depth,
+            },
+            is_corrected: self.is_corrected,
+        }))
     }
 
     fn begin(&self, site: &PixelSite) -> Pixel {

@@ -6,10 +6,10 @@ use sheer_core::mask::MOST_SAMPLES;
 use crate::contract::{Fragment, PixelSite};
 
 const MOST: usize = MOST_SAMPLES as usize;
-/// Behind every fragment.
+/// The sort key of an empty sample: behind every fragment.
 const NOTHING: (f32, u32) = (f32::INFINITY, u32::MAX);
 
-/// Of colours, and of the same with all colours 1 (ST section 4: F(B) and F(B₁), F(U) and F(U₁), times the number of samples).
+/// Sums of colours, and the same sums with all colours 1 (ST section 4: F(B) and F(B₁), F(U) and F(U₁), times the number of samples).
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Sums {
     pub(super) rgb: Vec3,
@@ -28,7 +28,7 @@ impl std::ops::Add for Sums {
 #[derive(Clone, Debug)]
 pub struct Pixel {
     pub(super) site: PixelSite,
-    /// Of all fragments, exactly: what is left of the background.
+    /// Product over all fragments of 1 - alpha at each sample: what is left of the background.
     pub(super) transmittance: [f32; MOST],
     /// The z-buffer of this round: depth and its tie-breaker.
     nearest: [(f32, u32); MOST],
@@ -38,9 +38,9 @@ pub struct Pixel {
     pub(super) accumulated: Sums,
     pub(super) is_in_round: bool,
     ended_rounds: u32,
-    /// Of the rounds that have ended.
+    /// Sums of the rounds that have ended.
     pub(super) sums: Sums,
-    /// In how many of these a sample was empty.
+    /// In how many of the rounds that have ended a sample was empty.
     empty_counts: [u8; MOST],
     pub(super) brightness: Brightness,
 }
@@ -85,29 +85,29 @@ impl Pixel {
         self.is_in_round = false;
     }
 
-    /// Ended and under way.
+    /// How many rounds have ended or are under way.
     pub(super) fn rounds(&self) -> u32 {
         self.ended_rounds + u32::from(self.is_in_round)
     }
 
     /// Covered samples where nothing is in front of the fragment.
     pub(super) fn seen(&self, fragment: &Fragment<'_>) -> u64 {
-        self.where_place(fragment, |place, nearest| place < nearest)
+        self.where_nearest(fragment, |key, nearest| key < nearest)
     }
 
-    /// In how many covered samples the fragment is not hidden: it is itself the nearest, or nothing is in front.
+    /// The number of covered samples in which the fragment is not hidden: it is itself the nearest, or nothing is in front.
     pub(super) fn unhidden_count(&self, fragment: &Fragment<'_>) -> u32 {
-        self.where_place(fragment, |place, nearest| place <= nearest).count_ones()
+        self.where_nearest(fragment, |key, nearest| key <= nearest).count_ones()
     }
 
-    fn where_place(&self, fragment: &Fragment<'_>, holds: impl Fn((f32, u32), (f32, u32)) -> bool) -> u64 {
+    fn where_nearest(&self, fragment: &Fragment<'_>, holds: impl Fn((f32, u32), (f32, u32)) -> bool) -> u64 {
         covered(fragment.coverage)
-            .filter(|&sample| holds(fragment.place(sample), self.nearest[sample]))
+            .filter(|&sample| holds(fragment.sort_key(sample), self.nearest[sample]))
             .fold(0, |mask, sample| mask | 1 << sample)
     }
 
     pub(super) fn write_depth(&mut self, fragment: &Fragment<'_>, samples: u64) {
-        covered(samples).for_each(|sample| self.nearest[sample] = fragment.place(sample));
+        covered(samples).for_each(|sample| self.nearest[sample] = fragment.sort_key(sample));
     }
 
     /// Total alpha of each sample (ST Eq. 5).
@@ -151,7 +151,7 @@ impl Brightness {
         self.squares += before * (brightness - self.mean);
     }
 
-    /// Of the mean; 0 for less than two rounds.
+    /// Standard error of the mean brightness; 0 for less than two rounds.
     pub(super) fn standard_error(&self) -> f32 {
         if self.count < 2.0 { 0.0 } else { (self.squares / (self.count * (self.count - 1.0))).sqrt() }
     }

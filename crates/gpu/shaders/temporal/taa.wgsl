@@ -3,20 +3,8 @@
 #import shared/hash
 #import shared/temporal
 
-@compute @workgroup_size(8, 8)
-fn cs_taa(@builtin(global_invocation_id) id: vec3u) {
-    if any(id.xy >= temporal.size) {
-        return;
-    }
-    let at = index_of(id.xy);
-    next_history[at] = resolve(id.xy, pixels[at]);
-}
-
-fn resolve(pixel: vec2u, current: PixelRecord) -> vec4f {
+fn resolved(pixel: vec2u, current: PixelRecord) -> vec4f {
     let latest = current.colour;
-    if temporal.count == 0u {
-        return latest;
-    }
     // A young history is a plain mean: the average would take 30 frames to forget the first one.
     let weight = max(NEW_FRAME_WEIGHT, 1.0 / (f32(temporal.count) + 1.0));
     let transparent = current.transparent != 0u;

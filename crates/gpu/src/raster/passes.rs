@@ -1,18 +1,20 @@
-//! Carries out the plan of a method: makes what it asks for and records its steps.
+//! Carries out the passes that a method asks for: makes its targets and buffers and records its steps.
 
 use std::collections::BTreeMap;
 
+use sheer_render::contract::{Passes, Resource, Step, Work};
 use wgpu::{
-    BindGroupLayoutEntry, BufferBindingType, BufferUsages, ShaderStages, TextureFormat, TextureUsages,
+    BindGroupLayoutEntry, BufferBindingType, BufferUsages, Features, ShaderStages, TextureFormat,
+    TextureUsages,
 };
 
 use super::{
     composite::Composite,
     draw::Draw,
-    format::DEPTH_FORMAT,
+    format::{DEPTH_FORMAT, blend_features, blend_state, texture_format},
     opaque::Opaque,
     parts::Parts,
-    plan::{Passes, Plan, Resource, Step, Work},
+    plan,
 };
 use crate::{
     error::GpuError,
@@ -24,9 +26,9 @@ use crate::{
     },
 };
 
-/// A method's passes.
+/// The passes of a method, ready to be recorded.
 #[derive(Debug)]
-pub(super) struct Family {
+pub(super) struct DrawnPasses {
     opaque: Opaque,
     resources: Vec<DeviceResource>,
     /// By entry point.
@@ -61,7 +63,8 @@ impl DeviceResource {
     fn new(parts: &Parts<'_>, resource: Resource) -> Result<Self, GpuError> {
         let drawn_to = TextureUsages::RENDER_ATTACHMENT;
         Ok(match resource {
-            Resource::Target { label, format, clear } => {
+            Resource::Target { label, format, clear: [r, g, b, a] } => {
+                let (format, clear) = (texture_format(format), wgpu::Color { r, g, b, a });
                 let usage = drawn_to | TextureUsages::TEXTURE_BINDING;
                 Self::Texture {
                     target: Target::new(parts.gpu, parts.size, label, format, usage)?,
@@ -109,11 +112,11 @@ impl DeviceResource {
         }
     }
 
-    /// As a texture; a [`Plan`] draws to nothing else.
+    /// As a texture; passes draw to nothing else.
     fn texture(&self) -> (&Target, TextureFormat, wgpu::Color) {
         match self {
             Self::Texture { target, format, clear } => (target, *format, *clear),
-            Self::Buffer(_) => unreachable!("plans draw to targets"),
+            Self::Buffer(_) => unreachable!("passes draw to targets"),
         }
     }
 }
@@ -136,8 +139,10 @@ impl Program {
         let layout = layout(&device, step.entry_point, &entries);
         let pipeline = match &step.work {
             Work::Draw { targets, depth } => {
-                let targets: Vec<_> =
-                    targets.iter().map(|&(index, blend)| (resources[index].texture().1, blend)).collect();
+                let targets: Vec<_> = targets
+                    .iter()
+                    .map(|&(index, blend)| (resources[index].texture().1, blend.map(blend_state)))
+                    .collect();
                 let draw = Draw {
                     label: step.name,
                     module,
@@ -160,20 +165,34 @@ impl Program {
     }
 }
 
-impl Family {
+/// What a device has to be capable of to blend into all targets that are blended into.
+fn blending_features(steps: &[Step], resources: &[DeviceResource]) -> Features {
+    let mut features = Features::empty();
+    for step in steps {
+        if let Work::Draw { targets, .. } = &step.work {
+            for (index, _) in targets.iter().filter(|(_, blend)| blend.is_some()) {
+                features |= blend_features(resources[*index].texture().1);
+            }
+        }
+    }
+    features
+}
+
+impl DrawnPasses {
     /// `text` is the shader with the entry points that the passes name.
     pub(super) fn new(parts: &Parts<'_>, passes: Passes, text: String) -> Result<Self, GpuError> {
-        let Passes { resources, steps, features, .. } = passes;
+        let Passes { resources, steps, .. } = passes;
+        let opaque = Opaque::new(parts)?;
+        let made = resources.into_iter().map(|resource| DeviceResource::new(parts, resource));
+        let resources = made.collect::<Result<Vec<_>, _>>()?;
+        let features = blending_features(&steps, &resources);
         if !parts.gpu.features().contains(features) {
             return Err(GpuError::Unsupported {
                 what: format!("{} lacks {features:?}, which the method needs", parts.gpu.report().name),
                 instead: "take another method, or --backend cpu".to_owned(),
             });
         }
-        let opaque = Opaque::new(parts)?;
-        let made = resources.into_iter().map(|resource| DeviceResource::new(parts, resource));
-        let resources = made.collect::<Result<Vec<_>, _>>()?;
-        let module = parts.gpu.shader(Plan::PIECE, text)?;
+        let module = parts.gpu.shader(plan::PIECE, text)?;
         let mut programs = BTreeMap::new();
         for step in &steps {
             if !programs.contains_key(step.entry_point) {
@@ -188,7 +207,7 @@ impl Family {
             (step, group)
         };
         let steps = steps.into_iter().map(with_group).collect();
-        parts.gpu.check(Plan::PIECE)?;
+        parts.gpu.check(plan::PIECE)?;
         let composite = Composite::new(parts, &opaque)?;
         Ok(Self { opaque, resources, programs, steps, composite })
     }
@@ -220,7 +239,7 @@ impl Family {
         self.composite.record(recording, groups);
     }
 
-    /// Everything that the plan asks for.
+    /// Bytes of everything that the passes ask for.
     pub(super) fn bytes(&self) -> u64 {
         self.resources.iter().map(DeviceResource::bytes).sum()
     }

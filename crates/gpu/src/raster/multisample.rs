@@ -11,7 +11,7 @@
 //!
 //! Deviations from the CPU: a fragment has one depth for all samples, and of two at exactly the same depth neither hides the other.
 
-use sheer_render::Method;
+use sheer_render::contract::{Multisample, SampleContent};
 use wgpu::{
     BindGroupEntry, BindGroupLayoutEntry, BufferBindingType, BufferUsages, CompareFunction, ShaderStages,
     TextureFormat, TextureSampleType, TextureUsages,
@@ -35,8 +35,6 @@ use crate::{
     },
 };
 
-/// Its id.
-const METHOD: &str = "stochastic";
 /// Words a pixel of shaders/shared/fragment_stats.wgsl.
 const STATS_BYTES: u64 = 4 * 5;
 /// `Sums` of shaders/pass/stochastic_resolve.wgsl.
@@ -55,7 +53,7 @@ pub(crate) struct Sampling {
     pub(crate) samples: u32,
     /// How often these are drawn.
     pub(crate) rounds: u32,
-    is_basic: bool,
+    keeps: SampleContent,
     is_corrected: bool,
 }
 
@@ -64,29 +62,12 @@ fn unsupported<T>(what: String, instead: &str) -> Result<T, GpuError> {
 }
 
 impl Sampling {
-    /// None for other methods.
+    /// Divides the samples of a method into what the device has in a pixel and rounds of it.
     ///
     /// # Errors
-    /// The raster path cannot do what the method's parameters ask for.
-    pub(crate) fn of(method: &Method, report: &AdapterReport) -> Result<Option<Self>, GpuError> {
-        if method.info().id != METHOD {
-            return Ok(None);
-        }
-        let refused = [
-            ("masks", "laine-karras", "these masks need the order of drawing; take masks=stratified"),
-            ("placement", "gaussian", "the hardware's samples stay within the pixel; take placement=box"),
-            ("filter", "bilateral", "take filter=none"),
-        ];
-        for (key, word, instead) in refused {
-            if method.value(key) == word {
-                return unsupported(format!("{METHOD} with {key}={word} is not drawn by raster"), instead);
-            }
-        }
-        let count = |key| method.value(key).parse::<u32>().unwrap_or(0);
-        if method.value("adaptive").parse::<f32>().is_ok_and(|error| error > 0.0) {
-            return unsupported(format!("{METHOD} draws as many rounds in all pixels"), "take adaptive=0");
-        }
-        let (samples, passes) = (count("samples"), count("passes"));
+    /// The device has no number of samples that fits, or the rounds would be too many.
+    pub(crate) fn new(multisample: Multisample, report: &AdapterReport) -> Result<Self, GpuError> {
+        let Multisample { samples, passes, keeps, is_corrected } = multisample;
         let fits = |count: &u32| samples.is_multiple_of(*count) && samples > 0;
         let Some(hardware) = report.msaa.iter().copied().filter(fits).max() else {
             let known: Vec<_> = report.msaa.iter().map(u32::to_string).collect();
@@ -108,14 +89,17 @@ impl Sampling {
                 "take fewer of them and accumulate over frames",
             );
         }
-        let is_basic = method.value("estimator") == "basic";
-        let is_corrected = method.value("correct") == "on";
-        Ok(Some(Self { samples: hardware, rounds, is_basic, is_corrected }))
+        Ok(Self { samples: hardware, rounds, keeps, is_corrected })
+    }
+
+    /// Whether samples keep colours, so that no further pass adds up the light of all fragments.
+    fn keeps_colour(self) -> bool {
+        self.keeps == SampleContent::Colour
     }
 
     /// Winners alone have no pass after the first that could tell which of all fragments is the furthest: this one does both.
     fn has_total_alpha(self) -> bool {
-        self.is_corrected || self.is_basic
+        self.is_corrected || self.keeps_colour()
     }
 
     /// Of which tables of masks are needed: of the samples, and of the rounds.
@@ -136,7 +120,7 @@ impl Sampling {
 
 /// The passes of the method.
 #[derive(Debug)]
-pub(super) struct Stochastic {
+pub(super) struct MultisamplePasses {
     sampling: Sampling,
     opaque: Opaque,
     targets: Targets,
@@ -189,7 +173,7 @@ fn depth_entry(stage: ShaderStages) -> BindGroupLayoutEntry {
     texture_entry(3, stage, TextureSampleType::Depth, true)
 }
 
-impl Stochastic {
+impl MultisamplePasses {
     pub(super) fn new(parts: &Parts<'_>, sampling: Sampling) -> Result<Self, GpuError> {
         let device = parts.gpu.device();
         let opaque = Opaque::new(parts)?;
@@ -241,7 +225,7 @@ impl Stochastic {
             ended_rounds,
             total_alpha,
             keep,
-            accumulate: (!sampling.is_basic).then_some(accumulate),
+            accumulate: (!sampling.keeps_colour()).then_some(accumulate),
             end_round,
             resolve,
             composite,
@@ -322,7 +306,7 @@ fn drawing(
     let nearest = Some(CompareFunction::Less);
     let winners = [(SUMS_FORMAT, None)];
     let (entry, targets) =
-        if sampling.is_basic { ("fs_colour", &winners[..]) } else { ("fs_depth", &[][..]) };
+        if sampling.keeps_colour() { ("fs_colour", &winners[..]) } else { ("fs_depth", &[][..]) };
     let pipelines = [
         draw("total alpha", &masks, "fs_total_alpha", keep, &[(TRANSMITTANCE_FORMAT, Some(MULTIPLY))], None),
         draw("stochastic masks", &masks, entry, keep, targets, nearest),

@@ -1,11 +1,10 @@
-//! How compositing methods get their fragments.
+//! How compositing methods get their fragments in the order in which the scene is drawn.
 
-use std::{ops::ControlFlow, time::Instant};
+use std::time::Instant;
 
-use sheer_accel::{Hit, Ray};
+use sheer_accel::Hit;
 use sheer_core::colour::Premul;
 use sheer_image::Pixel;
-use sheer_scene::CameraRay;
 
 use super::{
     samples::SampleOffsets,
@@ -13,12 +12,12 @@ use super::{
     workspace::{Gathered, SampleHit, Workspace},
 };
 use crate::{
-    contract::{Compositing, Fragment, Gathering, MIN_VISIBILITY, PixelSite},
+    contract::{MIN_VISIBILITY, Retrace, UnorderedCompositing},
     cost::Counters,
 };
 
-/// The light of all fragments with their total alpha.
-fn layer<M: Compositing>(method: &M, pixel: &M::Pixel) -> Premul {
+/// The light of all fragments with their total alpha: the transparent layer that a filter works on.
+fn layer<M: UnorderedCompositing>(method: &M, pixel: &M::Pixel) -> Premul {
     let samples = method.samples().count;
     let transmittance: f32 = (0..samples as usize).map(|sample| method.transmittance(pixel, sample)).sum();
     Premul { rgb: method.resolve(pixel), alpha: 1.0 - transmittance / samples as f32 }
@@ -29,117 +28,13 @@ fn since(start: Instant) -> u64 {
 }
 
 impl Tracer<'_> {
-    /// Hands the fragments of a pixel to the method and puts the background behind them. `keeps_layer`: their light is wanted by itself, too.
-    pub(super) fn composite<M: Compositing>(
+    /// Fragments in the order of the scene's triangles, pass after pass, over an opaque background of its own for each sample.
+    /// `keeps_layer`: their light is wanted by itself, too.
+    pub(super) fn composite_unordered<M: UnorderedCompositing>(
         &mut self,
         method: &M,
         offsets: &SampleOffsets,
         keeps_layer: bool,
-        at: [u32; 2],
-        counters: &mut Counters,
-    ) -> Pixel {
-        match method.gathering() {
-            Gathering::Sorted | Gathering::Continuation => self.composite_in_order(method, at, counters),
-            Gathering::Unordered { each_pass } => {
-                self.composite_unordered(method, offsets, [each_pass, keeps_layer], at, counters)
-            }
-        }
-    }
-
-    fn pixel_site(&self, at: [u32; 2]) -> PixelSite {
-        let (frame, seed) = (self.settings.frame, self.settings.run.seed);
-        PixelSite { pixel: at, frame, seed, depth_range: self.depth_range }
-    }
-
-    /// Front to back, equal depths in the order of their triangles; what is opaque comes last, as a fragment.
-    fn composite_in_order<M: Compositing>(
-        &mut self,
-        method: &M,
-        at: [u32; 2],
-        counters: &mut Counters,
-    ) -> Pixel {
-        let sample = self.sample(at);
-        let camera_ray = self.camera_ray(sample);
-        let mut pixel = method.begin(&self.pixel_site(at));
-        let mut last = None;
-        let mut transparent = false;
-        let mut take = |hit: &Hit, alpha: f32, counters: &mut Counters| {
-            last = Some(*hit);
-            transparent |= alpha < 1.0;
-            let depths = [self.depth(&camera_ray, hit)];
-            let fragment = self.fragment(hit, alpha, 1, &depths);
-            method.add(&mut pixel, 0, &fragment, || self.shade(&camera_ray, hit, counters))
-        };
-        let ray = self.ray(&camera_ray);
-        if method.gathering() == Gathering::Continuation {
-            self.continuation(&ray, counters, &mut take);
-        } else {
-            let mut hits = Vec::with_capacity(self.workspace.sorted.capacity());
-            self.sorted_hits(&ray, &mut hits, counters);
-            let _ = hits.iter().try_for_each(|(hit, alpha)| take(hit, *alpha, counters));
-            hits.clear();
-            self.workspace.sorted = hits;
-        }
-        counters.merged += u64::from(method.merged_count(&pixel));
-        let transmittance = method.transmittance(&pixel, 0);
-        let mut colour = Premul { rgb: method.resolve(&pixel), alpha: 1.0 - transmittance };
-        if transmittance > MIN_VISIBILITY {
-            // Everything was transparent: the background is the last fragment.
-            colour = colour.over(self.background(&camera_ray));
-            last = None;
-        }
-        self.pixel(colour, sample, &camera_ray, last.as_ref(), transparent)
-    }
-
-    /// All visible hits up to the first opaque one in one traversal, sorted by depth, then triangle.
-    fn sorted_hits(&self, ray: &Ray, hits: &mut Vec<(Hit, f32)>, counters: &mut Counters) {
-        let mut t_opaque = f32::INFINITY;
-        self.stage.bvh().traverse(ray, |hit| {
-            let alpha = self.alpha(&hit);
-            if alpha > 0.0 {
-                hits.push((hit, alpha));
-            }
-            if alpha >= 1.0 {
-                t_opaque = t_opaque.min(hit.t);
-            }
-            t_opaque
-        });
-        counters.camera_rays += 1;
-        counters.hits += hits.len() as u64;
-        hits.retain(|(hit, _)| hit.t <= t_opaque);
-        hits.sort_unstable_by(|(a, _), (b, _)| a.t.total_cmp(&b.t).then(a.triangle.cmp(&b.triangle)));
-    }
-
-    /// The paper's way (STD Listing 2): each ray starts at the last hit. It starts there inclusively and passes over what has been seen,
-    /// so that a second surface at the same depth is not lost.
-    fn continuation(
-        &self,
-        ray: &Ray,
-        counters: &mut Counters,
-        take: &mut impl FnMut(&Hit, f32, &mut Counters) -> ControlFlow<()>,
-    ) {
-        let mut after: Option<Hit> = None;
-        loop {
-            let from = after.map_or(ray.t_min, |hit| hit.t);
-            let next = self.stage.bvh().closest(&Ray { t_min: from, ..*ray }, |hit| {
-                after.is_none_or(|last| is_behind(hit, &last)) && self.alpha(hit) > 0.0
-            });
-            counters.camera_rays += 1;
-            let Some(hit) = next else { return };
-            counters.hits += 1;
-            if take(&hit, self.alpha(&hit), counters).is_break() {
-                return;
-            }
-            after = Some(hit);
-        }
-    }
-
-    /// Fragments in the order of the scene's triangles, pass after pass, over an opaque background of its own for each sample.
-    fn composite_unordered<M: Compositing>(
-        &mut self,
-        method: &M,
-        offsets: &SampleOffsets,
-        [each_pass, keeps_layer]: [bool; 2],
         at: [u32; 2],
         counters: &mut Counters,
     ) -> Pixel {
@@ -157,7 +52,7 @@ impl Tracer<'_> {
             if method.begin_pass(&mut pixel, pass).is_break() {
                 break;
             }
-            if each_pass && pass > 0 {
+            if pass > 0 && method.retrace() == Retrace::On {
                 self.gather_fragments(&mut work, method.samples().all(), counters);
             }
             let ray_count = work.rays.len();
@@ -172,7 +67,7 @@ impl Tracer<'_> {
 
         let start = Instant::now();
         counters.merged += u64::from(method.merged_count(&pixel));
-        let (colour, shows_background) = self.behind(method, &pixel, &work, counters);
+        let (colour, shows_background) = self.over_background(method, &pixel, &work, counters);
         let transparent = !work.fragments.is_empty();
         if keeps_layer && transparent {
             self.byproducts.layer.push((at, layer(method, &pixel)));
@@ -240,7 +135,7 @@ impl Tracer<'_> {
 
     /// The method's light over the background of each sample, and whether any of that is seen. A surface is shaded once a pixel, at the
     /// sample nearest to the centre.
-    fn behind<M: Compositing>(
+    fn over_background<M: UnorderedCompositing>(
         &self,
         method: &M,
         pixel: &M::Pixel,
@@ -273,26 +168,5 @@ impl Tracer<'_> {
             colour.alpha -= transmittance * (1.0 - background.alpha);
         }
         (colour, shows_background)
-    }
-
-    fn fragment<'d>(&self, hit: &Hit, alpha: f32, coverage: u64, depths: &'d [f32]) -> Fragment<'d> {
-        let object = self.stage.frame().object(hit.triangle);
-        Fragment {
-            alpha,
-            coverage,
-            depths,
-            order: hit.triangle,
-            instance: object.id,
-            geometry: object.geometry,
-            primitive: hit.triangle - object.first_triangle,
-            is_back: self.is_back(hit),
-        }
-    }
-
-    /// Distance along the view axis: never falls as `t` grows, rounding included.
-    fn depth(&self, ray: &CameraRay, hit: &Hit) -> f32 {
-        let camera = self.stage.frame().camera();
-        let cosine = ray.direction.dot(camera.forward());
-        camera.view_depth(ray.origin) + hit.t * cosine
     }
 }

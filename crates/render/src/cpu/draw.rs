@@ -1,0 +1,149 @@
+//! A frame of a method: its pixels in parallel bands, traced as its family wants.
+
+use std::{iter, time::Instant};
+
+use rayon::prelude::*;
+use sheer_core::{colour::Premul, coverage::Correction};
+use sheer_image::{Image, Pixel, Planes};
+
+use super::{
+    layer_filter, samples,
+    tracer::Tracer,
+    workspace::{Byproducts, Nanoseconds},
+};
+use crate::{
+    contract::{Hybrid, OrderedCompositing, Selection, Tables, Threshold, UnorderedCompositing, Visitor},
+    cost::{Counters, StepTime},
+    error::RenderError,
+    settings::{FrameSettings, Settings},
+    shadow::Shadows,
+    stage::Stage,
+};
+
+/// A frame and its cost.
+#[derive(Clone, Debug)]
+pub struct Rendered {
+    /// The picture, one jittered sample a pixel.
+    pub planes: Planes,
+    /// What was traced and shaded.
+    pub counters: Counters,
+    /// Milliseconds from the first ray to the last pixel; building the acceleration structure comes on top.
+    pub trace_ms: f64,
+    /// Milliseconds of these that went into shadow maps.
+    pub shadow_ms: f64,
+    /// The steps of methods with an unordered gathering; empty for all others.
+    pub steps: Vec<StepTime>,
+}
+
+/// Rows a task: few enough that 2 to 64 threads share a frame evenly, enough that neighbouring rays share the cache.
+const BAND_ROWS: u32 = 8;
+
+/// Renders a frame with a method of any family.
+pub(super) struct Draw<'a> {
+    pub(super) stage: &'a Stage,
+    pub(super) settings: &'a FrameSettings,
+    pub(super) hybrid: Hybrid,
+    pub(super) correction: Correction,
+}
+
+impl Visitor for Draw<'_> {
+    type Output = Result<Rendered, RenderError>;
+
+    fn threshold(self, method: &impl Threshold) -> Self::Output {
+        let (tables, hybrid) = (Tables::get(), self.hybrid);
+        self.bands(|tracer, at, counters| {
+            tracer.stochastic(hybrid, at, counters, |tracer, ray, after, counters| {
+                tracer.first_kept(method, &tables, at, ray, after, counters)
+            })
+        })
+    }
+
+    fn selection(self, method: &impl Selection) -> Self::Output {
+        let (tables, hybrid) = (Tables::get(), self.hybrid);
+        let FrameSettings { run: Settings { seed, .. }, frame, .. } = *self.settings;
+        self.bands(|tracer, at, counters| {
+            let threshold = method.threshold(at, frame, seed, &tables);
+            tracer.stochastic(hybrid, at, counters, |tracer, ray, after, counters| {
+                tracer.first_exceeding(threshold, ray, after, counters)
+            })
+        })
+    }
+
+    fn ordered(self, method: &impl OrderedCompositing) -> Self::Output {
+        self.bands(|tracer, at, counters| tracer.composite_in_order(method, at, counters))
+    }
+
+    fn unordered(self, method: &impl UnorderedCompositing) -> Self::Output {
+        let offsets = samples::offsets(method.samples(), self.settings.jitter);
+        let pass_names = (0..method.pass_count()).map(|pass| method.pass_name(pass));
+        let filter = method.layer_filter();
+        let (stage, [width, height]) = (self.stage, self.settings.run.size);
+        let (mut rendered, byproducts) = self.timed_bands(|tracer, at, counters| {
+            tracer.composite_unordered(method, &offsets, filter.is_some(), at, counters)
+        })?;
+        let names = iter::once("gather").chain(pass_names).chain(["composite"]);
+        let Nanoseconds { gather, passes, composite } = byproducts.nanoseconds;
+        let times = iter::once(gather).chain(passes).chain([composite]);
+        rendered.steps = names.zip(times).map(|(name, ns)| StepTime { name, ms: ns as f64 * 1e-6 }).collect();
+        if let Some(filter) = filter {
+            let start = Instant::now();
+            let mut layer = Image::filled(width, height, Premul::CLEAR)?;
+            for ([x, y], light) in byproducts.layer {
+                layer[(x, y)] = light;
+            }
+            stage.pool().install(|| layer_filter::apply(&filter, &layer, &mut rendered.planes.colour));
+            let ms = start.elapsed().as_secs_f64() * 1e3;
+            rendered.trace_ms += ms;
+            rendered.steps.push(StepTime { name: "filter", ms });
+        }
+        Ok(rendered)
+    }
+}
+
+impl Draw<'_> {
+    /// Calls `trace` for every pixel, in parallel.
+    fn bands(
+        self,
+        trace: impl Fn(&mut Tracer<'_>, [u32; 2], &mut Counters) -> Pixel + Sync,
+    ) -> Result<Rendered, RenderError> {
+        Ok(self.timed_bands(trace)?.0)
+    }
+
+    /// Calls `trace` for every pixel, in parallel, and adds up what the pixels leave behind beside themselves.
+    fn timed_bands(
+        self,
+        trace: impl Fn(&mut Tracer<'_>, [u32; 2], &mut Counters) -> Pixel + Sync,
+    ) -> Result<(Rendered, Byproducts), RenderError> {
+        let [width, height] = self.settings.run.size;
+        let mut planes = Planes::new(width, height)?;
+        let start = Instant::now();
+        let FrameSettings { run: Settings { seed, shadow, .. }, frame, .. } = self.settings;
+        let shadows = Shadows::new(self.stage, shadow, *frame, *seed)?;
+        let (counters, byproducts) = self.stage.pool().install(|| {
+            let bands = planes.par_bands_mut(BAND_ROWS);
+            let costs = bands.map(|mut band| {
+                let mut tracer = Tracer::new(self.stage, self.settings, &shadows, self.correction);
+                let mut counters = Counters::default();
+                // Squares, not rows: their rays stay together.
+                for left in (0..width).step_by(BAND_ROWS as usize) {
+                    for row in 0..band.height() {
+                        for x in left..(left + BAND_ROWS).min(width) {
+                            tracer.pixel_at = [x, band.y + row];
+                            let pixel = trace(&mut tracer, [x, band.y + row], &mut counters);
+                            band.set(x, row, pixel);
+                        }
+                    }
+                }
+                (counters, tracer.byproducts)
+            });
+            costs.reduce(Default::default, |(counters, costs), (more, further)| {
+                (counters + more, costs.plus(further))
+            })
+        });
+        let counters = counters + Counters { shadow_rays: shadows.rays(), ..Counters::default() };
+        let trace_ms = start.elapsed().as_secs_f64() * 1e3;
+        let rendered =
+            Rendered { planes, counters, trace_ms, shadow_ms: shadows.build_ms(), steps: Vec::new() };
+        Ok((rendered, byproducts))
+    }
+}

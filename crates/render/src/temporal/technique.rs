@@ -1,0 +1,50 @@
+//! What an anti-aliasing technique is: where each frame samples its pixels, and how frames are added up.
+
+use glam::Vec2;
+use sheer_core::{bibliography::Work, parameter::ParameterInfo};
+use sheer_image::{ImageError, Planes};
+
+use super::align::Reprojection;
+use crate::contract::ShaderConstant;
+
+/// A technique's row in lists and help, and what a GPU needs of it.
+#[derive(Clone, Copy, Debug)]
+pub struct AntialiasingInfo {
+    /// The word on the command line; the module and the shader are called the same, with `_` for `-`.
+    pub id: &'static str,
+    /// A line on what it does.
+    pub title: &'static str,
+    /// Paper and section that describe it; `own` for what has no publication.
+    pub paper: &'static str,
+    /// The bibliography's entries for [`Self::paper`]; none for what has no publication.
+    pub works: &'static [&'static Work],
+    /// What it keeps of a pixel from frame to frame, in words.
+    pub stores: &'static str,
+    /// Whether all frames of a run show one moment.
+    pub time_stands_still: bool,
+    /// Keys that it takes on the command line.
+    pub parameters: &'static [ParameterInfo],
+    /// Constants of its shader, beside its parameters and what all shaders have.
+    pub constants: &'static [ShaderConstant],
+}
+
+/// How frames are added up.
+pub(super) trait Technique: Sync {
+    /// Offset of a frame's sample from the pixel centre, each coordinate in (-0.5, 0.5) pixels.
+    fn jitter(&self, frame: u32) -> Vec2;
+
+    /// Turns a new frame into the picture so far. `history` is that picture after `count` earlier frames, at least one.
+    ///
+    /// # Errors
+    /// [`ImageError::Size`] if memory does not suffice.
+    fn resolve(
+        &self,
+        history: &Planes,
+        current: &mut Planes,
+        count: u32,
+        reprojection: Reprojection,
+    ) -> Result<(), ImageError>;
+
+    /// The value of each key, as it would be typed.
+    fn values(&self) -> Vec<String>;
+}
