@@ -1,4 +1,4 @@
-// Fragments as methods with an unordered gathering take them: twin of `Fragment` in crates/render/src/contract.rs.
+// Fragments as methods with an unordered gathering take them: twin of `Fragment` in crates/render/src/contract/fragment.rs.
 #import shared/opaque
 
 struct Fragment {
