@@ -4,9 +4,9 @@
 //! * `hair`: a ball under one million thin triangles.
 //! * `mixed`: terrain and balls, 70 % of 500k triangles, among textured cards.
 //!
-//! Rays: `closest` takes the first hit, `stochastic` compares a texture's alpha with a hash of pixel and triangle,
-//! `all` collects every hit, `shadow` multiplies transmittances towards a light until nothing is left.
-//! `cargo bench -p sheer-accel -- smoke/stochastic` runs one of them.
+//! Rays: `closest` takes the first hit, `stochastic` compares a texture's alpha with a hash of pixel and
+//! triangle, `all` collects every hit, `shadow` multiplies transmittances towards a light until nothing is
+//! left. `cargo bench -p sheer-accel -- smoke/stochastic` runs one of them.
 
 use std::f32::consts::TAU;
 use std::hint::black_box;

@@ -100,8 +100,9 @@ pub(crate) struct Part {
     pub(crate) bounds: Bounds,
 }
 
-/// Whether a triangle takes part in a tree, see [`crate::Bvh`]. One with two equal vertices has no inside. One with its vertices on a
-/// line stays: after the rounding of the triangle test it may be what closes a T-junction.
+/// Whether a triangle takes part in a tree, see [`crate::Bvh`]. One with two equal vertices has no inside.
+/// One with its vertices on a line stays: after the rounding of the triangle test it may be what closes a
+/// T-junction.
 #[must_use]
 pub fn is_kept(triangle: &[Vec3; 3]) -> bool {
     let [a, b, c] = triangle;

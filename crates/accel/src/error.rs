@@ -20,7 +20,8 @@ pub enum AccelError {
         /// The reference as stored.
         child: u32,
     },
-    /// A child's box is not a box (NaN, or its lower bound above its upper bound), or does not contain what lies below it.
+    /// A child's box is not a box (NaN, or its lower bound above its upper bound), or does not contain what
+    /// lies below it.
     #[error("node {node}, child {lane}: its box does not contain what lies below it; build the tree again")]
     BrokenBox {
         /// Index of the parent node.

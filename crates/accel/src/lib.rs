@@ -11,7 +11,8 @@
 //!   JCGT 2013) with a fill rule, so that a ray through a shared edge or vertex hits exactly one of the
 //!   triangles around it: no hole, and no layer counted twice.
 //! * Boxes: conservative after Ize (*Robust BVH Ray Traversal*, JCGT 2013) and Woop et al.
-//! * Paths: AVX-512, AVX2 and portable code, chosen at run time ([`SimdPath`]); hits are the same bits on all.
+//! * Paths: AVX-512, AVX2 and portable code, chosen at run time ([`SimdPath`]); hits are the same bits on
+//!   all.
 //!
 //! ```
 //! use glam::{Vec3, vec3};

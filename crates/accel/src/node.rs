@@ -91,7 +91,8 @@ impl Node {
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C, align(64))]
 pub(crate) struct Block {
-    /// Coordinates by axis first, as the watertight test picks its axes by the ray: `vertices[axis][vertex][lane]`.
+    /// Coordinates by axis first, as the watertight test picks its axes by the ray:
+    /// `vertices[axis][vertex][lane]`.
     pub(crate) vertices: [[[f32; WIDTH]; 3]; 3],
     /// Indices of the triangles, `u32::MAX` in unused lanes.
     pub(crate) triangles: [u32; WIDTH],

@@ -139,8 +139,8 @@ impl Slabs {
     }
 
     /// Distances at which the ray enters the children's boxes, and the lanes of the boxes that it passes
-    /// within `[t_min, t_max]`. A NaN, from a ray in the plane of a side, can only loosen the bounds: it loses
-    /// against the second operand of `max` and `min`, and so does a pair of axes that gives one.
+    /// within `[t_min, t_max]`. A NaN, from a ray in the plane of a side, can only loosen the bounds: it
+    /// loses against the second operand of `max` and `min`, and so does a pair of axes that gives one.
     #[inline(always)]
     fn enter<L: Lanes>(&self, lanes: L, node: &Node, t_max: f32) -> (L::F, u32) {
         let near = [

@@ -19,7 +19,8 @@ pub struct Stats {
     pub triangle_count: u32,
     /// Levels of nodes; 0 for a tree that is a single leaf.
     pub depth: u32,
-    /// Nodes and leaves that a random line through the root's box is expected to visit (surface area heuristic).
+    /// Nodes and leaves that a random line through the root's box is expected to visit (surface area
+    /// heuristic).
     pub sah_cost: f64,
     /// Memory of the nodes and leaves.
     pub bytes: usize,

@@ -1,5 +1,5 @@
-//! The works that Sheer cites, in one table. Comments name a work by its authors and year, or by an abbreviation that is
-//! defined here; `docs/bibliography.md` is this table as a page.
+//! The works that Sheer cites, in one table. Comments name a work by its authors and year, or by an
+//! abbreviation that is defined here; `docs/bibliography.md` is this table as a page.
 
 use std::fmt;
 

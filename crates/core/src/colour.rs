@@ -1,4 +1,5 @@
-//! Colour with its alpha state in the type. Everything is linear light with Rec. 709 primaries unless the name says `srgb`.
+//! Colour with its alpha state in the type. Everything is linear light with Rec. 709 primaries unless the
+//! name says `srgb`.
 
 use glam::{Vec3, Vec4};
 

@@ -1,5 +1,5 @@
-//! From the opacity of a material to the coverage that a stochastic method is fed with, where what resolves its frames over time would
-//! otherwise show another opacity (STD section 3.2.1).
+//! From the opacity of a material to the coverage that a stochastic method is fed with, where what resolves
+//! its frames over time would otherwise show another opacity (STD section 3.2.1).
 
 /// A cubic from wanted opacity to the coverage that shows it: `c0 + c1 α + c2 α² + c3 α³`, clamped to 0 to 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -10,7 +10,8 @@ pub struct Correction {
 impl Correction {
     /// Coverage is opacity, to the bit.
     pub const NONE: Self = Self { coefficients: [0.0, 1.0, 0.0, 0.0] };
-    /// The correction for upscalers that suppress flicker, fitted to DLSS and used for FSR as well (STD Eq. 5).
+    /// The correction for upscalers that suppress flicker, fitted to DLSS and used for FSR as well (STD Eq.
+    /// 5).
     pub const DLSS: Self = Self { coefficients: [0.0113, 1.656, -0.821, 0.156] };
 
     /// The correction with the coefficients `c0` to `c3`; `None` if one is not finite.
@@ -19,8 +20,8 @@ impl Correction {
         coefficients.iter().all(|coefficient| coefficient.is_finite()).then_some(Self { coefficients })
     }
 
-    /// Least squares through pairs of a displayed opacity and the coverage that displayed it. `None` if fewer than four displayed
-    /// opacities differ.
+    /// Least squares through pairs of a displayed opacity and the coverage that displayed it. `None` if fewer
+    /// than four displayed opacities differ.
     #[must_use]
     pub fn fit(displayed_and_fed: &[[f64; 2]]) -> Option<Self> {
         // The normal equations, their right side in the last column.
@@ -60,8 +61,8 @@ impl Correction {
 
     /// The coverage, 0 to 1, for a material's opacity, 0 to 1.
     ///
-    /// Nothing stays nothing and opaque stays opaque, whatever the cubic says there. This deviates from STD Eq. 5, where an opacity of 0 has
-    /// a coverage of 0.0113: invisible surfaces would be seen.
+    /// Nothing stays nothing and opaque stays opaque, whatever the cubic says there. This deviates from STD
+    /// Eq. 5, where an opacity of 0 has a coverage of 0.0113: invisible surfaces would be seen.
     #[must_use]
     #[inline]
     pub fn coverage(&self, alpha: f32) -> f32 {

@@ -1,5 +1,6 @@
-//! Which samples of a pixel a transparent fragment covers: the masks of Enderton, Sintorn, Shirley and Luebke, *Stochastic Transparency*
-//! (ST), 2011, sections 3.1 and 5, and the thresholds of Laine and Karras, *Stratified Sampling for Stochastic Transparency*, 2011.
+//! Which samples of a pixel a transparent fragment covers: the masks of Enderton, Sintorn, Shirley and
+//! Luebke, *Stochastic Transparency* (ST), 2011, sections 3.1 and 5, and the thresholds of Laine and Karras,
+//! *Stratified Sampling for Stochastic Transparency*, 2011.
 //!
 //! Everything is integers, so that a shader draws the same masks.
 
@@ -9,7 +10,8 @@ use crate::hash::{Pcg32, pcg2d, unit_from_bits};
 
 /// The most samples that a mask has a bit for.
 pub const MOST_SAMPLES: u32 = 64;
-/// Masks that a fragment chooses from (ST section 5). A prime near 2048: two fragments of one pixel choose the same mask once in so many pixels.
+/// Masks that a fragment chooses from (ST section 5). A prime near 2048: two fragments of one pixel choose
+/// the same mask once in so many pixels.
 pub const WIDTH: usize = 2047;
 /// Bits of an opacity (ST section 5: approximately 10).
 pub const ALPHA_BITS: u32 = 10;
@@ -18,14 +20,16 @@ pub const OPAQUE: u32 = 1 << ALPHA_BITS;
 
 /// An opacity, 0 to 1, in [`ALPHA_BITS`], rounded up or down as random bits say: right on average.
 ///
-/// A deviation: ST takes the nearest, which is off by up to 1/2048 for ever, more than the noise of a few thousand pixels.
+/// A deviation: ST takes the nearest, which is off by up to 1/2048 for ever, more than the noise of a few
+/// thousand pixels.
 #[must_use]
 pub fn quantised_alpha(alpha: f32, bits: u32) -> u32 {
     let exact = alpha * OPAQUE as f32;
     exact as u32 + u32::from(unit_from_bits(bits) < exact.fract())
 }
 
-/// How many of `samples` are covered: R = ⌊αS + ξ⌋ of ST section 3.1, with α and ξ in [`ALPHA_BITS`]. With ξ uniform, αS on average.
+/// How many of `samples` are covered: R = ⌊αS + ξ⌋ of ST section 3.1, with α and ξ in [`ALPHA_BITS`]. With ξ
+/// uniform, αS on average.
 #[must_use]
 pub const fn set_size(alpha: u32, samples: u32, xi: u32) -> u32 {
     (alpha * samples + xi) >> ALPHA_BITS
@@ -37,7 +41,8 @@ pub fn coin_mask(alpha: u32, [first, second]: [u32; 2]) -> u64 {
     if alpha >= OPAQUE {
         return u64::MAX;
     }
-    // From the lowest digit of α up: OR with a fair coin takes p to (p + 1) / 2, AND to p / 2, for all samples at once.
+    // From the lowest digit of α up: OR with a fair coin takes p to (p + 1) / 2, AND to p / 2, for all
+    // samples at once.
     (0..ALPHA_BITS).fold(0, |mask, digit| {
         let [low, high] = pcg2d([first, second.wrapping_add(digit)]);
         let coins = u64::from(low) | u64::from(high) << 32;
@@ -47,15 +52,16 @@ pub fn coin_mask(alpha: u32, [first, second]: [u32; 2]) -> u64 {
 
 /// Random subsets of a pixel's samples, [`WIDTH`] of each size.
 ///
-/// ST indexes its table by α and a random number. Subsets depend on α by their size alone, so this one is indexed by the size: 65 rows
-/// instead of 1024, and ξ is no longer tied to the subset.
+/// ST indexes its table by α and a random number. Subsets depend on α by their size alone, so this one is
+/// indexed by the size: 65 rows instead of 1024, and ξ is no longer tied to the subset.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MaskTable {
     /// Row by row, a row for each size from 0 to the sample count.
     masks: Vec<u64>,
 }
 
-/// The table for so many samples, 1 to [`MOST_SAMPLES`]. Built on first use, within milliseconds; 1 MB for 64 samples.
+/// The table for so many samples, 1 to [`MOST_SAMPLES`]. Built on first use, within milliseconds; 1 MB for 64
+/// samples.
 ///
 /// # Panics
 /// For another number of samples.
@@ -77,8 +83,9 @@ impl MaskTable {
         for size in 0..=samples {
             let mut random = Pcg32::new(seed, u64::from(samples * (MOST_SAMPLES + 1) + size));
             let mut order: Vec<u32> = (0..samples).collect();
-            // One mask after the other from the circle of a random order, until it closes: so that in a table as short as this, too, each
-            // sample is covered as often as any other, give or take one. Masks drawn one by one would favour some by a hundredth.
+            // One mask after the other from the circle of a random order, until it closes: so that in a table
+            // as short as this, too, each sample is covered as often as any other, give or take one. Masks
+            // drawn one by one would favour some by a hundredth.
             for index in 0..WIDTH {
                 let start = index as u32 * size % samples;
                 if start == 0 {
@@ -119,7 +126,8 @@ fn shuffle(order: &mut [u32], random: &mut Pcg32) {
 /// Columns and rows of pixels after which the curve of [`along_curve`] starts anew.
 pub const CURVE_SIDE: u32 = 1024;
 
-/// The index of a pixel along a Z-curve through [`CURVE_SIDE`]² pixels, in 20 bits (Morton 1966): pixels that follow one another fill squares.
+/// The index of a pixel along a Z-curve through [`CURVE_SIDE`]² pixels, in 20 bits (Morton 1966): pixels that
+/// follow one another fill squares.
 #[must_use]
 pub const fn along_curve([x, y]: [u32; 2]) -> u32 {
     const fn spread(coordinate: u32) -> u32 {
@@ -132,14 +140,17 @@ pub const fn along_curve([x, y]: [u32; 2]) -> u32 {
     spread(x) | spread(y) << 1
 }
 
-/// Multipliers of the scramble of [`stratified_threshold`], even so that a digit changes higher ones only (Laine and Karras 2011, section 3.1).
+/// Multipliers of the scramble of [`stratified_threshold`], even so that a digit changes higher ones only
+/// (Laine and Karras 2011, section 3.1).
 pub const SCRAMBLE: [u32; 4] = [0x6c50_b47c, 0xb82f_1e52, 0xc7af_e638, 0x8d22_f6e6];
 
-/// The threshold, as a fraction of 2³², of the sample with an index along a curve through all samples of all pixels (Laine and Karras 2011,
-/// section 3.1): among any 2^k samples that follow one another from a multiple of 2^k, each 2^k-th of the range from 0 to 1 has one.
+/// The threshold, as a fraction of 2³², of the sample with an index along a curve through all samples of all
+/// pixels (Laine and Karras 2011, section 3.1): among any 2^k samples that follow one another from a multiple
+/// of 2^k, each 2^k-th of the range from 0 to 1 has one.
 ///
-/// The mirrored index is scrambled by operations in which lower bits change higher ones only, so that each digit of the threshold is flipped
-/// by all digits above it in the index. `surface` should be random: another one gives independent thresholds.
+/// The mirrored index is scrambled by operations in which lower bits change higher ones only, so that each
+/// digit of the threshold is flipped by all digits above it in the index. `surface` should be random: another
+/// one gives independent thresholds.
 #[must_use]
 pub const fn stratified_threshold(index: u32, surface: u32) -> u32 {
     let mut x = index.reverse_bits().wrapping_add(surface);
@@ -183,7 +194,8 @@ mod tests {
 
     #[test]
     fn every_subset_of_a_few_samples_is_about_as_frequent() {
-        // Masks of one order exclude one another, which spreads them a little more evenly than independent ones.
+        // Masks of one order exclude one another, which spreads them a little more evenly than independent
+        // ones.
         let table = mask_table(8);
         for size in 1..8 {
             let row = &table.masks()[size * WIDTH..][..WIDTH];
@@ -275,7 +287,8 @@ mod tests {
 
     #[test]
     fn thresholds_are_uniform_and_those_of_two_surfaces_independent() {
-        // Pairs of thresholds at one place, in 8×8 cells: each as often as any other. Places far apart, and many surfaces.
+        // Pairs of thresholds at one place, in 8×8 cells: each as often as any other. Places far apart, and
+        // many surfaces.
         const TRIALS: u32 = 1 << 17;
         let mut counts = [0_u32; 64];
         for trial in 0..TRIALS {
@@ -292,7 +305,8 @@ mod tests {
 
     #[test]
     fn two_surfaces_are_independent_within_one_frame() {
-        // Of all pixels of a square, the share in which the first of four samples is covered by both of two half-transparent surfaces.
+        // Of all pixels of a square, the share in which the first of four samples is covered by both of two
+        // half-transparent surfaces.
         let share = |surfaces: [u32; 2]| {
             let both = (0..1 << 12).filter(|pixel| {
                 surfaces.iter().all(|&surface| stratified_threshold(pixel << 2, surface) < 1 << 31)

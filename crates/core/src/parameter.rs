@@ -48,7 +48,8 @@ impl fmt::Display for ParameterRange {
     }
 }
 
-/// A parameter whose value is one of several words. [`choice!`](crate::choice) declares it: enum and words in one list.
+/// A parameter whose value is one of several words. [`choice!`](crate::choice) declares it: enum and words in
+/// one list.
 pub trait Choice: Copy + PartialEq + 'static {
     /// All values, in the order in which they are listed and numbered in shaders.
     const ALL: &'static [Self];
@@ -64,8 +65,8 @@ pub trait Choice: Copy + PartialEq + 'static {
     }
 }
 
-/// Declares a [`Choice`]: the enum, and with it the words on the command line, in help and in shaders. Its function
-/// `parameter` makes the key that takes it.
+/// Declares a [`Choice`]: the enum, and with it the words on the command line, in help and in shaders. Its
+/// function `parameter` makes the key that takes it.
 ///
 /// ```
 /// use sheer_core::parameter::{ParameterInfo, Values};

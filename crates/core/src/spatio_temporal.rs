@@ -118,7 +118,8 @@ mod tests {
 
     #[test]
     fn a_frame_and_a_pixel_are_covered_evenly_at_every_level() {
-        // Standard deviation of how many of a pixel's frames lie below a level, against the binomial one of white noise.
+        // Standard deviation of how many of a pixel's frames lie below a level, against the binomial one of
+        // white noise.
         let spread = |values: &[f32], level: f32| {
             let counts = (0..PIXEL_COUNT).map(|pixel| {
                 (0..FRAME_COUNT as usize).filter(|frame| values[frame * PIXEL_COUNT + pixel] < level).count()

@@ -4,7 +4,8 @@
 //! Pixels are ranked so that, for every threshold, those below it are spread evenly without a grid. Where the
 //! paper leaves a choice it is fixed here: the lower index among equals. Energies are whole numbers, so that
 //! adding and taking away pixels is exact and every machine builds the same mask. The lowest and the highest
-//! energy of each row are remembered, and after a change only those of the rows around it are looked up again.
+//! energy of each row are remembered, and after a change only those of the rows around it are looked up
+//! again.
 
 use crate::hash::Pcg32;
 
@@ -30,8 +31,8 @@ impl Torus {
 }
 
 /// Ranks all pixels, frame by frame, row by row. `crowding` gives, for a step in x, y and time of at most
-/// `reach` each, how much two pixels so far apart crowd one another: 1 at the same position, 0 where they do not matter.
-/// Over all steps it sums up to less than 128.
+/// `reach` each, how much two pixels so far apart crowd one another: 1 at the same position, 0 where they do
+/// not matter. Over all steps it sums up to less than 128.
 pub(crate) fn rank_all(
     torus: Torus,
     seed: u64,

@@ -1,7 +1,8 @@
-//! Whether two pictures show the same fragments: how a renderer is held against another that draws the same random numbers.
+//! Whether two pictures show the same fragments: how a renderer is held against another that draws the same
+//! random numbers.
 //!
-//! Both decide alike wherever they find the same hits, so they differ where they do not: at the edges of triangles, which only who knows the
-//! geometry can tell.
+//! Both decide alike wherever they find the same hits, so they differ where they do not: at the edges of
+//! triangles, which only who knows the geometry can tell.
 
 use sheer_image::Planes;
 
@@ -21,8 +22,8 @@ pub struct FragmentDifference {
 }
 
 impl FragmentDifference {
-    /// Compares instance, primitive and linear premultiplied colour. `colour_bound`: by how much a channel may differ, as a share of the larger of
-    /// both values or, below that, of a display's white.
+    /// Compares instance, primitive and linear premultiplied colour. `colour_bound`: by how much a channel
+    /// may differ, as a share of the larger of both values or, below that, of a display's white.
     ///
     /// # Errors
     /// [`MetricError::SizesDiffer`].

@@ -1,9 +1,9 @@
 //! Image in, number out: how far a picture is from its reference.
 //!
 //! Structural similarity, PSNR and FLIP compare what a display shows ([`sheer_image::display_over_black`]);
-//! RMS and bias compare linear light; flicker takes either; tPSNR and ColorVideoVDP take displayed clips; [`FragmentDifference`]
-//! counts pixels. No function here knows which method made a
-//! picture, and none depends on the number of threads: sums run row by row in a fixed order.
+//! RMS and bias compare linear light; flicker takes either; tPSNR and ColorVideoVDP take displayed clips;
+//! [`FragmentDifference`] counts pixels. No function here knows which method made a picture, and none depends
+//! on the number of threads: sums run row by row in a fixed order.
 
 mod convolve;
 mod difference;

@@ -80,9 +80,8 @@ mod tests {
     use crate::psnr_db;
 
     // The reference numbers come from scikit-image 0.26 with numpy's y, x, c = mgrid[0:21, 0:33, 0:3] in the
-    // formulas below:
-    //   structural_similarity(a, b, gaussian_weights=True, sigma=1.5, use_sample_covariance=False, data_range=1, channel_axis=2)
-    //   peak_signal_noise_ratio(a, b, data_range=1)
+    // formulas below: structural_similarity(a, b, gaussian_weights=True, sigma=1.5,
+    // use_sample_covariance=False, data_range=1, channel_axis=2) peak_signal_noise_ratio(a, b, data_range=1)
     fn from_formula(formula: impl Fn(u32, u32, u32) -> f32) -> Image<[f32; 3]> {
         Image::from_fn(33, 21, |x, y| [0, 1, 2].map(|c| formula(x, y, c))).unwrap()
     }

@@ -58,13 +58,15 @@ impl FromIterator<f64> for Moments {
     }
 }
 
-/// A difference in units of its standard error. Nothing differs by nothing: 0 over 0 is 0, anything else over 0 infinite.
+/// A difference in units of its standard error. Nothing differs by nothing: 0 over 0 is 0, anything else over
+/// 0 infinite.
 #[must_use]
 pub fn z_score(difference: f64, standard_error: f64) -> f64 {
     if difference == 0.0 { 0.0 } else { difference / standard_error }
 }
 
-/// The probability that a standard normal number is at least as far from 0 as `z`. 0 for an infinite `z`, NaN for NaN.
+/// The probability that a standard normal number is at least as far from 0 as `z`. 0 for an infinite `z`, NaN
+/// for NaN.
 #[must_use]
 pub fn two_sided_p(z: f64) -> f64 {
     // erfc(|z| / √2), and erfc(x) is Q(1/2, x²).
@@ -84,8 +86,8 @@ pub fn wilson_hilferty(chi_square: f64, degrees: f64) -> f64 {
     ((chi_square / degrees).cbrt() - (1.0 - spread)) / spread.sqrt()
 }
 
-/// The probability that a number of Student's distribution is at least as far from 0 as `t` (Abramowitz and Stegun 1964, 26.7.3 and
-/// 26.7.4). 1 without degrees of freedom: nothing is known then.
+/// The probability that a number of Student's distribution is at least as far from 0 as `t` (Abramowitz and
+/// Stegun 1964, 26.7.3 and 26.7.4). 1 without degrees of freedom: nothing is known then.
 #[must_use]
 pub fn student_t_p(t: f64, degrees: u32) -> f64 {
     if degrees == 0 {
@@ -93,7 +95,8 @@ pub fn student_t_p(t: f64, degrees: u32) -> f64 {
     }
     let angle = (t.abs() / f64::from(degrees).sqrt()).atan();
     let (sine, cosine) = angle.sin_cos();
-    // Each term is the one before times cos² and the next fraction: even numbers over odd ones, or the other way round.
+    // Each term is the one before times cos² and the next fraction: even numbers over odd ones, or the other
+    // way round.
     let first = if degrees % 2 == 1 { cosine } else { 1.0 };
     let (mut term, mut sum) = (first, if degrees == 1 { 0.0 } else { first });
     let mut power = degrees % 2 + 2;
@@ -106,15 +109,16 @@ pub fn student_t_p(t: f64, degrees: u32) -> f64 {
     (1.0 - inside).clamp(0.0, 1.0)
 }
 
-/// The level at which each of `tests` independent tests has to be held so that all together err with probability `level`
-/// (Šidák 1967).
+/// The level at which each of `tests` independent tests has to be held so that all together err with
+/// probability `level` (Šidák 1967).
 #[must_use]
 pub fn sidak(level: f64, tests: u64) -> f64 {
     // 1 - (1 - level)^(1 / tests), without losing the digits of small levels.
     -((-level).ln_1p() / tests.max(1) as f64).exp_m1()
 }
 
-/// The probability that the least of `tests` independent probabilities is at most `least` although nothing is wrong: the other way round.
+/// The probability that the least of `tests` independent probabilities is at most `least` although nothing is
+/// wrong: the other way round.
 #[must_use]
 pub fn sidak_family(least: f64, tests: u64) -> f64 {
     -((-least).ln_1p() * tests.max(1) as f64).exp_m1()
@@ -132,7 +136,8 @@ pub fn two_sided_z(probability: f64) -> f64 {
     low
 }
 
-/// The `share`-quantile of numbers, 0 the least, 1 the greatest, 0.5 the median, linear in between. NaN without numbers.
+/// The `share`-quantile of numbers, 0 the least, 1 the greatest, 0.5 the median, linear in between. NaN
+/// without numbers.
 #[must_use]
 pub fn quantile(values: &[f64], share: f64) -> f64 {
     let mut sorted = values.to_vec();
@@ -166,8 +171,9 @@ fn upper_gamma_of_half(twice_a: u32, x: f64) -> f64 {
         }
         return (1.0 - scale * sum).max(0.0);
     }
-    // DLMF 8.9.2 in its even form, 1/(x+1-a - 1(1-a)/(x+3-a - 2(2-a)/(x+5-a - …))), evaluated forwards as a product of ratios of
-    // successive numerators and denominators (modified Lentz; Thompson and Barnett 1986).
+    // DLMF 8.9.2 in its even form, 1/(x+1-a - 1(1-a)/(x+3-a - 2(2-a)/(x+5-a - …))), evaluated forwards as a
+    // product of ratios of successive numerators and denominators (modified Lentz; Thompson and Barnett
+    // 1986).
     let mut b = x + 1.0 - a;
     let (mut denominator, mut numerator) = (1.0 / b, f64::MAX);
     let mut fraction = denominator;

@@ -6,10 +6,11 @@ use sheer_image::Image;
 use crate::MetricError;
 use crate::error::check_sizes;
 
-/// Takes a clip in [0, 1] frame by frame and tells its tPSNR: the peak signal-to-noise ratio of the differences of successive
-/// frames, in decibels. Infinite if every change is that of the reference.
+/// Takes a clip in [0, 1] frame by frame and tells its tPSNR: the peak signal-to-noise ratio of the
+/// differences of successive frames, in decibels. Infinite if every change is that of the reference.
 ///
-/// It is to PSNR what [`Flicker`](crate::Flicker) is to RMS, but hears fast changes only: a slow drift costs next to nothing.
+/// It is to PSNR what [`Flicker`](crate::Flicker) is to RMS, but hears fast changes only: a slow drift costs
+/// next to nothing.
 #[derive(Clone, Debug, Default)]
 pub struct TemporalPsnr<const N: usize> {
     /// Image minus reference: the difference of two frames' errors is the error of the frames' difference.
@@ -56,7 +57,8 @@ impl<const N: usize> TemporalPsnr<N> {
         Ok(())
     }
 
-    /// The tPSNR of the frames so far in decibels: 10 log₁₀(1 / mean square change of the error). None for less than two frames.
+    /// The tPSNR of the frames so far in decibels: 10 log₁₀(1 / mean square change of the error). None for
+    /// less than two frames.
     #[must_use]
     pub fn value_db(&self) -> Option<f64> {
         (self.pair_count > 0).then(|| -10.0 * (self.squares / f64::from(self.pair_count)).log10())
@@ -103,8 +105,9 @@ mod tests {
         // Uniform over 0.2.
         let expected = -10.0 * (2.0 * 0.04 / 12.0_f64).log10();
         let found = tpsnr_db(&still, &noisy).unwrap();
-        // 64 pairs of 144 independent pixels. A squared change has the relative variance 7/5, to which the correlation of 1/7 with either
-        // neighbour adds its share: the mean has a relative deviation of 1.4 %. Four of these are 0.24 dB; forgetting the factor 2 is 3 dB.
+        // 64 pairs of 144 independent pixels. A squared change has the relative variance 7/5, to which the
+        // correlation of 1/7 with either neighbour adds its share: the mean has a relative deviation of 1.4
+        // %. Four of these are 0.24 dB; forgetting the factor 2 is 3 dB.
         assert!((found - expected).abs() < 0.24, "{found} instead of {expected}");
     }
 

@@ -7,14 +7,16 @@ use sheer_image::{Image, unit_from_u8};
 use crate::MetricError;
 use crate::error::check_sizes;
 
-/// The display and its viewer: the authors' default, a 30 inch 4K monitor of 200 cd/m² in an office, at twice its height.
+/// The display and its viewer: the authors' default, a 30 inch 4K monitor of 200 cd/m² in an office, at twice
+/// its height.
 const DISPLAY: &str = "standard_4k";
 
 /// Pictures with a shorter side have no quality.
 pub const LEAST_VDP_SIDE_PX: u32 = 4;
 
-/// Quality of a clip as a display shows it (opaque sRGB) against its reference, in just-objectionable differences (Mantiuk et al. 2024): 10 if no
-/// difference is seen; at 9 three in four viewers prefer the reference. A clip of one frame is judged as a still picture.
+/// Quality of a clip as a display shows it (opaque sRGB) against its reference, in just-objectionable
+/// differences (Mantiuk et al. 2024): 10 if no difference is seen; at 9 three in four viewers prefer the
+/// reference. A clip of one frame is judged as a still picture.
 ///
 /// # Errors
 /// [`MetricError::FramesDiffer`] for lists that are empty or differ in length, [`MetricError::SizesDiffer`],
@@ -55,7 +57,8 @@ mod tests {
 
     const FRAMES_PER_SEC: f32 = 30.0;
 
-    /// A gradient that moves, with uniform noise of at most `noise` steps to either side in each pixel of each frame.
+    /// A gradient that moves, with uniform noise of at most `noise` steps to either side in each pixel of
+    /// each frame.
     fn clip(frames: u32, noise: f32) -> Vec<Image<[u8; 3]>> {
         let mut random = Pcg32::new(11, 1);
         let frame = |frame: u32| {

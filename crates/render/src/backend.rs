@@ -1,9 +1,10 @@
-//! What renders: the processor here, a GPU in a crate of its own. Programs that measure, compare or write pictures are written once, over
-//! [`Backend`].
+//! What renders: the processor here, a GPU in a crate of its own. Programs that measure, compare or write
+//! pictures are written once, over [`Backend`].
 //!
-//! A backend makes stages and pipelines of its own kind and is handed them back for every step, so that a stage of one device never meets the
-//! pipeline of another: the compiler sees to it. Alternatives were trait objects, which would have to check that at run time, and a trait of
-//! the pipeline alone, which could not say what a stage is.
+//! A backend makes stages and pipelines of its own kind and is handed them back for every step, so that a
+//! stage of one device never meets the pipeline of another: the compiler sees to it. Alternatives were trait
+//! objects, which would have to check that at run time, and a trait of the pipeline alone, which could not
+//! say what a stage is.
 
 use std::{borrow::Cow, env, error::Error, fs, sync::Arc};
 
@@ -23,7 +24,8 @@ use crate::{
 
 /// A renderer with its stages and pipelines.
 ///
-/// A frame is made in three steps: [`advance`](Self::advance) the stage, [`render`](Self::render) it, read its [`planes`](Self::planes).
+/// A frame is made in three steps: [`advance`](Self::advance) the stage, [`render`](Self::render) it, read
+/// its [`planes`](Self::planes).
 pub trait Backend {
     /// A scene at a time, ready to be rendered.
     type Stage;
@@ -61,7 +63,8 @@ pub trait Backend {
     /// Prepares a method; nothing is rendered yet.
     ///
     /// # Errors
-    /// The backend does not run the method ([`is_unsupported`](Self::is_unsupported)), or the picture is too large.
+    /// The backend does not run the method ([`is_unsupported`](Self::is_unsupported)), or the picture is too
+    /// large.
     fn pipeline(
         &self,
         method: &Method,
@@ -69,10 +72,12 @@ pub trait Backend {
         settings: Settings,
     ) -> Result<Self::Pipeline, Self::Error>;
 
-    /// Whether an error says that the backend does not run what was asked for, rather than that something went wrong.
+    /// Whether an error says that the backend does not run what was asked for, rather than that something
+    /// went wrong.
     fn is_unsupported(&self, error: &Self::Error) -> bool;
 
-    /// Renders frame `index`, counted from the run's first, of a stage that has been advanced to it, and adds it to the history.
+    /// Renders frame `index`, counted from the run's first, of a stage that has been advanced to it, and adds
+    /// it to the history.
     ///
     /// # Errors
     /// There is not enough memory, or the device is lost.
@@ -89,7 +94,8 @@ pub trait Backend {
     /// The device is lost, or there is no memory to read it back to.
     fn planes<'p>(&self, pipeline: &'p Self::Pipeline) -> Result<Cow<'p, Planes>, Self::Error>;
 
-    /// Where the time of the last frame went, by [`step_clock`](Self::step_clock); empty where it is not known.
+    /// Where the time of the last frame went, by [`step_clock`](Self::step_clock); empty where it is not
+    /// known.
     fn steps<'p>(&self, pipeline: &'p Self::Pipeline) -> &'p [StepTime];
 
     /// What the times of [`steps`](Self::steps) count.
@@ -98,7 +104,8 @@ pub trait Backend {
     /// What the user should know of how a method is run.
     fn notes<'p>(&self, pipeline: &'p Self::Pipeline) -> &'p [String];
 
-    /// Bytes a pixel that a method stores beyond colour and depth; `hits_per_pixel`: the mean number of its fragments.
+    /// Bytes a pixel that a method stores beyond colour and depth; `hits_per_pixel`: the mean number of its
+    /// fragments.
     fn bytes_per_pixel(&self, pipeline: &Self::Pipeline, hits_per_pixel: f64) -> f64;
 }
 

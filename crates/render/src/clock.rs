@@ -24,7 +24,8 @@ impl Clock {
         }
     }
 
-    /// The moment of frame `index`, counted from the run's first. A single frame counts as moving if the run's frames do.
+    /// The moment of frame `index`, counted from the run's first. A single frame counts as moving if the
+    /// run's frames do.
     #[must_use]
     pub fn at(&self, index: u32) -> Moment {
         let time_of = |index: u32| self.start_secs + index as f32 / FRAMES_PER_SEC;

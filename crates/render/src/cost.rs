@@ -11,8 +11,9 @@ pub struct Counters {
     pub hits: u64,
     /// How many fragments were shaded, which is the costly part.
     pub shaded: u64,
-    /// Fragments that bounded memory had no room for, so that they were merged with others; of a hybrid, pixels whose exact fragments
-    /// ran out before the visibility had fallen, so that one draw stands for more than it should.
+    /// Fragments that bounded memory had no room for, so that they were merged with others; of a hybrid,
+    /// pixels whose exact fragments ran out before the visibility had fallen, so that one draw stands for
+    /// more than it should.
     pub merged: u64,
 }
 
@@ -53,7 +54,8 @@ pub struct Timings {
 }
 
 impl Timings {
-    /// The whole pass including acceleration structure builds, without temporal anti-aliasing (STD section 4).
+    /// The whole pass including acceleration structure builds, without temporal anti-aliasing (STD section
+    /// 4).
     #[must_use]
     pub fn frame_ms(&self) -> f64 {
         self.build_ms + self.trace_ms

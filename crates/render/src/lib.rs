@@ -1,7 +1,7 @@
 //! Order-independent transparency: the methods, the CPU backend, temporal accumulation.
 //!
-//! A [`Stage`] holds a scene at a time, ready to be traced; a [`Method`] says how transparency is resolved; a [`Pipeline`] renders frame
-//! after frame with both and adds them up over time.
+//! A [`Stage`] holds a scene at a time, ready to be traced; a [`Method`] says how transparency is resolved; a
+//! [`Pipeline`] renders frame after frame with both and adds them up over time.
 //!
 //! ```
 //! use sheer_render::{Antialiasing, Pipeline, Settings, Stage};

@@ -56,7 +56,8 @@ impl<M: Transparency> Pipeline<M> {
         &self.method
     }
 
-    /// Renders frame `index`, counted from the run's first, of a stage that has been advanced to it, and adds it to the history.
+    /// Renders frame `index`, counted from the run's first, of a stage that has been advanced to it, and adds
+    /// it to the history.
     ///
     /// # Errors
     /// [`RenderError::Image`] if the size is zero or too much for the memory.

@@ -51,7 +51,8 @@ impl Default for Settings {
 pub struct FrameSettings {
     /// What it has in common with all frames of its run.
     pub run: Settings,
-    /// Index of the frame, by which thresholds and masks are drawn; counted from 0, not from [`Settings::first_frame`].
+    /// Index of the frame, by which thresholds and masks are drawn; counted from 0, not from
+    /// [`Settings::first_frame`].
     pub frame: u32,
     /// Offset of the sample from the pixel centre, pixels, each coordinate in (-0.5, 0.5).
     pub jitter: Vec2,

@@ -18,19 +18,21 @@ pub struct Moment {
     pub previous_secs: f32,
 }
 
-/// A scene, seen through one of its cameras, at a time: the frame's geometry and the acceleration structure over it. Several pipelines
-/// can render from one stage.
+/// A scene, seen through one of its cameras, at a time: the frame's geometry and the acceleration structure
+/// over it. Several pipelines can render from one stage.
 #[derive(Debug)]
 pub struct Stage {
     animator: Animator,
     bvh: Bvh,
     pool: ThreadPool,
     build_ms: f64,
-    /// Ray origins are lifted off surfaces by this much, so that rounding does not shadow a surface by itself: world units.
+    /// Ray origins are lifted off surfaces by this much, so that rounding does not shadow a surface by
+    /// itself: world units.
     lift: f32,
 }
 
-/// Share of the scene's radius by which shadow rays are lifted off their surface. At a few times the rounding error of a hit point.
+/// Share of the scene's radius by which shadow rays are lifted off their surface. At a few times the rounding
+/// error of a hit point.
 pub const LIFT: f32 = 1e-5;
 
 impl Stage {
@@ -91,8 +93,8 @@ impl Stage {
         &self.bvh
     }
 
-    /// All triangles that the camera's ray through a point meets, by number, in ascending order. `point_px`: pixels from the upper left corner of a
-    /// picture of `size` pixels.
+    /// All triangles that the camera's ray through a point meets, by number, in ascending order. `point_px`:
+    /// pixels from the upper left corner of a picture of `size` pixels.
     #[must_use]
     pub fn triangles_through(&self, point_px: Vec2, size: [u32; 2]) -> Vec<u32> {
         let CameraRay { origin, direction } =
@@ -107,8 +109,8 @@ impl Stage {
         triangles
     }
 
-    /// Whether other triangles are met within `reach_px` of a pixel's centre: at the edges of triangles, seen or not, where another renderer's
-    /// rounding may find other hits. The pixel is given by column and row.
+    /// Whether other triangles are met within `reach_px` of a pixel's centre: at the edges of triangles, seen
+    /// or not, where another renderer's rounding may find other hits. The pixel is given by column and row.
     #[must_use]
     pub fn is_near_edge(&self, (x, y): (u32, u32), size: [u32; 2], reach_px: f32) -> bool {
         let centre_px = UVec2::new(x, y).as_vec2() + 0.5;

@@ -5,15 +5,16 @@ use sheer_core::{choice, parameter::ParameterInfo};
 choice! {
     /// To which of the multiples of a pattern's side a motion vector goes.
     pub enum AlignmentRule {
-        /// One of the four nearest, drawn by bilinear weight, so that the mean motion stays what it is (STD Listing 5).
+        /// One of the four nearest, drawn by bilinear weight, so that the mean motion stays what it is (STD
+        /// Listing 5).
         Random = "on",
         /// None of them: the vector stays as it is.
         Off = "off",
         /// The nearest, which lags behind slow motion (STD section 3.3.1 says so and does not do it).
         Nearest = "round",
-        /// As [`Self::Random`] after a component shorter than [`Self::DEAD_ZONE`] of the picture's side has become 0; and
-        /// what rectifies the history clips it to a box, not to an ellipsoid. So does the authors' own code (Falcor's
-        /// `TAA` pass and their `DitherVBuffer2`).
+        /// As [`Self::Random`] after a component shorter than [`Self::DEAD_ZONE`] of the picture's side has
+        /// become 0; and what rectifies the history clips it to a box, not to an ellipsoid. So does the
+        /// authors' own code (Falcor's `TAA` pass and their `DitherVBuffer2`).
         DeadZone = "dead",
     }
 }

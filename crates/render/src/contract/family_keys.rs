@@ -16,9 +16,9 @@ choice! {
     }
 }
 
-/// The key for the correction of coverage (STD section 3.2.1), which every [`Threshold`](super::Threshold) and
-/// [`Selection`](super::Selection) takes. The backend applies it to the opacity that is held against a threshold, not to
-/// fragments that are composited exactly, nor to shadows.
+/// The key for the correction of coverage (STD section 3.2.1), which every [`Threshold`](super::Threshold)
+/// and [`Selection`](super::Selection) takes. The backend applies it to the opacity that is held against a
+/// threshold, not to fragments that are composited exactly, nor to shadows.
 pub const CORRECTION_PARAMETER: ParameterInfo = CorrectionChoice::parameter(
     "correction",
     CorrectionChoice::None,

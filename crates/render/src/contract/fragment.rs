@@ -21,7 +21,8 @@ pub enum Placement {
     Centre,
     /// Spread evenly over the pixel, so that their mean is its box filter.
     Box,
-    /// Spread over 2×2 pixels by the density of a Gaussian, so that their mean is the filter of ST section 3.5.
+    /// Spread over 2×2 pixels by the density of a Gaussian, so that their mean is the filter of ST section
+    /// 3.5.
     Gaussian,
 }
 
@@ -47,20 +48,21 @@ pub struct PixelSite {
     pub frame: u32,
     /// Seed of the run.
     pub seed: u32,
-    /// No fragment of the frame is nearer or further than these, scene units along the view axis; both above 0.
+    /// No fragment of the frame is nearer or further than these, scene units along the view axis; both above
+    /// 0.
     pub depth_range: [f32; 2],
 }
 
 /// The part of a triangle that a pixel sees, transparent and in front of everything opaque.
 #[derive(Clone, Copy, Debug)]
 pub struct Fragment<'a> {
-    /// Opacity, [`MIN_ALPHA`] to below 1, at the covered sample nearest to the pixel centre, where it is shaded, too. Ordered gatherings
-    /// end with a fragment of 1, where something opaque is.
+    /// Opacity, [`MIN_ALPHA`] to below 1, at the covered sample nearest to the pixel centre, where it is
+    /// shaded, too. Ordered gatherings end with a fragment of 1, where something opaque is.
     pub alpha: f32,
     /// Samples that it covers, one bit each; never none.
     pub coverage: u64,
-    /// Depth at each sample, scene units along the view axis; samples that are not covered hold anything. Only one where all samples lie
-    /// in the centre.
+    /// Depth at each sample, scene units along the view axis; samples that are not covered hold anything.
+    /// Only one where all samples lie in the centre.
     pub depths: &'a [f32],
     /// Index of the triangle in the scene: breaks ties of equal depths, so that no order of drawing shows.
     pub order: u32,

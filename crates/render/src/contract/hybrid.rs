@@ -2,15 +2,16 @@
 
 use sheer_core::parameter::{ParameterInfo, ParameterRange, Values};
 
-/// The hybrid of exact and stochastic (STD section 3.4): fragments are shaded and composited front to back until the visibility has fallen
-/// to a share, then one stochastic ray stands for the rest. The backend wraps it around any [`Threshold`](super::Threshold)
-/// or [`Selection`](super::Selection).
+/// The hybrid of exact and stochastic (STD section 3.4): fragments are shaded and composited front to back
+/// until the visibility has fallen to a share, then one stochastic ray stands for the rest. The backend wraps
+/// it around any [`Threshold`](super::Threshold) or [`Selection`](super::Selection).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hybrid {
     /// Visibility from which on the stochastic ray takes over, 0 to 1: 0 is exact, 1 purely stochastic.
     pub visibility: f32,
-    /// The most fragments that are composited before, however much is visible; `None` for no such limit. The paper's fall-back to a
-    /// k-buffer where many faint layers would each be shaded; here the rest is sampled, so nothing is dropped.
+    /// The most fragments that are composited before, however much is visible; `None` for no such limit. The
+    /// paper's fall-back to a k-buffer where many faint layers would each be shaded; here the rest is
+    /// sampled, so nothing is dropped.
     pub layers: Option<u32>,
 }
 

@@ -1,13 +1,15 @@
 //! What a transparency method is to the backends. A backend runs any method and names none.
 //!
-//! * [`Threshold`]: one shaded fragment a pixel. The method gives a threshold for each hit, the backend alone decides by [`keeps`].
-//! * [`Selection`]: one shaded fragment a pixel, too, but one threshold for the whole ray, held against the coverage
-//!   accumulated.
+//! * [`Threshold`]: one shaded fragment a pixel. The method gives a threshold for each hit, the backend alone
+//!   decides by [`keeps`].
+//! * [`Selection`]: one shaded fragment a pixel, too, but one threshold for the whole ray, held against the
+//!   coverage accumulated.
 //! * [`OrderedCompositing`]: fragments are handed over front to back and the method adds them up.
-//! * [`UnorderedCompositing`]: the same in the order in which the scene is drawn, in several passes and over several
-//!   samples if the method asks for them.
+//! * [`UnorderedCompositing`]: the same in the order in which the scene is drawn, in several passes and over
+//!   several samples if the method asks for them.
 //!
-//! [`MethodInfo`] is what lists say of a method and what a GPU needs to run it; [`Raster`] is how a GPU draws it.
+//! [`MethodInfo`] is what lists say of a method and what a GPU needs to run it; [`Raster`] is how a GPU draws
+//! it.
 
 mod alignment;
 mod family_keys;

@@ -15,9 +15,9 @@ pub enum Traversal {
     Continuation,
 }
 
-/// Family of methods that add up fragments front to back, equal depths in the order of the scene's triangles. Each pixel
-/// has one sample. What is opaque is the last fragment, with an alpha of 1; the background comes behind it only where
-/// [`Self::transmittance`] leaves something of it.
+/// Family of methods that add up fragments front to back, equal depths in the order of the scene's triangles.
+/// Each pixel has one sample. What is opaque is the last fragment, with an alpha of 1; the background comes
+/// behind it only where [`Self::transmittance`] leaves something of it.
 pub trait OrderedCompositing: Sync {
     /// What is kept of a pixel.
     type Pixel;
@@ -25,8 +25,8 @@ pub trait OrderedCompositing: Sync {
     /// How fragments are to be found.
     fn traversal(&self) -> Traversal;
 
-    /// Whether the result is nothing but OVER of all fragments: then a GPU takes it from its exact search, and no shader
-    /// of the method's own is needed. Other ordered methods have no GPU version.
+    /// Whether the result is nothing but OVER of all fragments: then a GPU takes it from its exact search,
+    /// and no shader of the method's own is needed. Other ordered methods have no GPU version.
     fn is_exact(&self) -> bool {
         false
     }
@@ -37,7 +37,8 @@ pub trait OrderedCompositing: Sync {
     /// A pixel that no fragment has been added to.
     fn begin(&self, site: &PixelSite) -> Self::Pixel;
 
-    /// Adds the next fragment; `shade` gives its linear radiance and is the costly part. `Break` ends the pixel.
+    /// Adds the next fragment; `shade` gives its linear radiance and is the costly part. `Break` ends the
+    /// pixel.
     fn add(
         &self,
         pixel: &mut Self::Pixel,

@@ -1,5 +1,5 @@
-//! How a GPU draws a method that takes its fragments in any order: targets, memory and passes, as plain data. A backend
-//! carries it out and names no method.
+//! How a GPU draws a method that takes its fragments in any order: targets, memory and passes, as plain data.
+//! A backend carries it out and names no method.
 //!
 //! Entry points are those of the method's shader, `shaders/method/<id>.wgsl`.
 
@@ -30,7 +30,8 @@ pub struct NoRaster {
 pub struct Passes {
     /// What each pixel has.
     pub resources: Vec<Resource>,
-    /// The passes in the order in which they run. Those with one entry point are alike but for the resources they use.
+    /// The passes in the order in which they run. Those with one entry point are alike but for the resources
+    /// they use.
     pub steps: Vec<Step>,
     /// Constants of the shader that follow from the method's parameters.
     pub constants: Vec<ShaderConstant>,
@@ -102,14 +103,14 @@ pub struct Step {
     pub entry_point: &'static str,
     /// What it runs over.
     pub work: Work,
-    /// Bindings of group 2 and the indices in [`Passes::resources`] of what is bound there. Binding 0 is the opaque
-    /// surface of the pixel, whatever the method.
+    /// Bindings of group 2 and the indices in [`Passes::resources`] of what is bound there. Binding 0 is the
+    /// opaque surface of the pixel, whatever the method.
     pub bound: Vec<(u32, usize)>,
 }
 
 impl Step {
-    /// The entry point of the last step of all methods, which leaves the light of a pixel's fragments and their
-    /// transmittance.
+    /// The entry point of the last step of all methods, which leaves the light of a pixel's fragments and
+    /// their transmittance.
     pub const FINAL_ENTRY_POINT: &str = "cs_front";
 
     /// The step that ends the plan of every method.
@@ -142,8 +143,8 @@ pub enum Blend {
     Multiply,
 }
 
-/// Rounds of drawing to targets of several samples. The hardware's samples are a divisor of [`Self::samples`], the rest
-/// becomes rounds.
+/// Rounds of drawing to targets of several samples. The hardware's samples are a divisor of
+/// [`Self::samples`], the rest becomes rounds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Multisample {
     /// Samples of a pixel in each pass.

@@ -23,18 +23,19 @@ pub struct Site {
     pub back: u32,
     /// Hit point in world space, scene units.
     pub position: Vec3,
-    /// Hit point in the space of its object, before it moves and bends; filled only for methods that ask for it by
-    /// [`Threshold::uses_object_space`].
+    /// Hit point in the space of its object, before it moves and bends; filled only for methods that ask for
+    /// it by [`Threshold::uses_object_space`].
     pub position_in_object: Vec3,
-    /// Length that a pixel covers in the space of the object, along its longer axis; may be infinite. Filled together
-    /// with [`Self::position_in_object`].
+    /// Length that a pixel covers in the space of the object, along its longer axis; may be infinite. Filled
+    /// together with [`Self::position_in_object`].
     pub footprint_in_object: f32,
 }
 
-/// Family of methods that keep or drop a hit by comparing its alpha with a threshold. The backend alone decides, by
-/// [`keeps`], and shades the nearest hit kept.
+/// Family of methods that keep or drop a hit by comparing its alpha with a threshold. The backend alone
+/// decides, by [`keeps`], and shades the nearest hit kept.
 pub trait Threshold: Sync {
-    /// Whether the method wants to know where on its object a hit lies, which costs the backend some work a hit.
+    /// Whether the method wants to know where on its object a hit lies, which costs the backend some work a
+    /// hit.
     fn uses_object_space(&self) -> bool {
         false
     }

@@ -15,7 +15,8 @@ choice! {
     pub enum Retrace {
         /// They are kept from the first pass on, which is faster.
         Off = "off",
-        /// They are traced again, as a rasteriser without lists draws the scene again. The picture is the same.
+        /// They are traced again, as a rasteriser without lists draws the scene again. The picture is the
+        /// same.
         On = "on",
     }
 }
@@ -29,8 +30,8 @@ impl Retrace {
     );
 }
 
-/// A cross-bilateral filter over the light of a method's fragments (ST section 6): pixels count by their distance and by
-/// the difference of their total alpha.
+/// A cross-bilateral filter over the light of a method's fragments (ST section 6): pixels count by their
+/// distance and by the difference of their total alpha.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LayerFilter {
     /// Neighbours up to this distance in rows and columns count, pixels.
@@ -41,9 +42,9 @@ pub struct LayerFilter {
     pub sigma_alpha: f32,
 }
 
-/// Family of methods that add up all fragments in front of what is opaque, in the order in which the scene lists its
-/// triangles: what a rasteriser hands over. What is opaque is no fragment but part of the background, which the backend
-/// shades by itself and adds by what [`Self::transmittance`] leaves of it.
+/// Family of methods that add up all fragments in front of what is opaque, in the order in which the scene
+/// lists its triangles: what a rasteriser hands over. What is opaque is no fragment but part of the
+/// background, which the backend shades by itself and adds by what [`Self::transmittance`] leaves of it.
 pub trait UnorderedCompositing: Sync {
     /// What is kept of a pixel.
     type Pixel;
@@ -90,8 +91,8 @@ pub trait UnorderedCompositing: Sync {
         Err(NoRaster { what: "it has no raster version".to_owned(), instead: None })
     }
 
-    /// A filter that the backend lays over what [`Self::resolve`] gives of all pixels, before the background is put
-    /// behind it.
+    /// A filter that the backend lays over what [`Self::resolve`] gives of all pixels, before the background
+    /// is put behind it.
     fn layer_filter(&self) -> Option<LayerFilter> {
         None
     }

@@ -35,7 +35,8 @@ pub struct Rendered {
     pub steps: Vec<StepTime>,
 }
 
-/// Rows a task: few enough that 2 to 64 threads share a frame evenly, enough that neighbouring rays share the cache.
+/// Rows a task: few enough that 2 to 64 threads share a frame evenly, enough that neighbouring rays share the
+/// cache.
 const BAND_ROWS: u32 = 8;
 
 /// Renders a frame with a method of any family.
@@ -109,7 +110,8 @@ impl Draw<'_> {
         Ok(self.timed_bands(trace)?.0)
     }
 
-    /// Calls `trace` for every pixel, in parallel, and adds up what the pixels leave behind beside themselves.
+    /// Calls `trace` for every pixel, in parallel, and adds up what the pixels leave behind beside
+    /// themselves.
     fn timed_bands(
         self,
         trace: impl Fn(&mut Tracer<'_>, [u32; 2], &mut Counters) -> Pixel + Sync,

@@ -1,4 +1,5 @@
-//! The cross-bilateral filter of ST section 6: noise goes, edges of all visible layers stay, as total alpha has them.
+//! The cross-bilateral filter of ST section 6: noise goes, edges of all visible layers stay, as total alpha
+//! has them.
 
 use glam::Vec3;
 use rayon::prelude::*;
@@ -9,8 +10,9 @@ use crate::contract::LayerFilter;
 
 /// Filters the light of all fragments, `layer`, inside pixels of which it is a part already.
 ///
-/// The straight colour is filtered, by the share of alpha that each pixel brings, and takes the pixel's own alpha again: total alpha has no
-/// noise, and where all layers have one colour nothing changes. The paper names no weights: this is our reading.
+/// The straight colour is filtered, by the share of alpha that each pixel brings, and takes the pixel's own
+/// alpha again: total alpha has no noise, and where all layers have one colour nothing changes. The paper
+/// names no weights: this is our reading.
 pub(super) fn apply(filter: &LayerFilter, layer: &Image<Premul>, pixels: &mut Image<[f32; 4]>) {
     let width = layer.width();
     pixels.par_rows_mut().zip(0..layer.height()).for_each(|(row, y)| {
@@ -79,7 +81,8 @@ mod tests {
             };
             let before = error(&|x, y| layer[(x, y)].rgb.x + (1.0 - alpha) * 0.5);
             let after = error(&|x, y| pixels[(x, y)][0]);
-            // The weights of 5×5 Gaussian neighbours leave 0.08 of the variance inside, twice that at edges and corners.
+            // The weights of 5×5 Gaussian neighbours leave 0.08 of the variance inside, twice that at edges
+            // and corners.
             assert!(after < 0.2 * before, "{after} of {before}");
             assert!(pixels.as_slice().iter().all(|pixel| pixel[3] == 1.0));
         }

@@ -1,4 +1,5 @@
-//! The CPU backend: the default and the gold standard. Deterministic: the same bits for any number of threads.
+//! The CPU backend: the default and the gold standard. Deterministic: the same bits for any number of
+//! threads.
 
 mod draw;
 mod layer_filter;

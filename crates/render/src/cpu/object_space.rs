@@ -7,8 +7,9 @@ use sheer_scene::CameraRay;
 use super::tracer::Tracer;
 
 impl Tracer<'_> {
-    /// The hit in the space of its object, and the longer of the two lengths there between it and where the rays of the pixels to the right
-    /// and below meet the triangle's plane. That length is infinite where they pass it by.
+    /// The hit in the space of its object, and the longer of the two lengths there between it and where the
+    /// rays of the pixels to the right and below meet the triangle's plane. That length is infinite where
+    /// they pass it by.
     pub(super) fn object_space(&self, at: [u32; 2], hit: &Hit) -> (Vec3, f32) {
         let frame = self.stage.frame();
         let [a, b, c] = frame.corners_in_object(hit.triangle);
@@ -26,8 +27,8 @@ impl Tracer<'_> {
     }
 }
 
-/// Barycentric weights of the second and third corner where a ray meets a triangle's plane; none if it does not in front of its origin
-/// (Möller and Trumbore 1997, without the bounds of the triangle).
+/// Barycentric weights of the second and third corner where a ray meets a triangle's plane; none if it does
+/// not in front of its origin (Möller and Trumbore 1997, without the bounds of the triangle).
 fn plane_hit([a, b, c]: [Vec3; 3], ray: &CameraRay) -> Option<[f32; 2]> {
     let (to_b, to_c, to_origin) = (b - a, c - a, ray.origin - a);
     let (p, q) = (ray.direction.cross(to_c), to_origin.cross(to_b));

@@ -72,8 +72,8 @@ impl Tracer<'_> {
         hits.sort_unstable_by(|(a, _), (b, _)| a.t.total_cmp(&b.t).then(a.triangle.cmp(&b.triangle)));
     }
 
-    /// The paper's way (STD Listing 2): each ray starts at the last hit. It starts there inclusively and passes over what has been seen,
-    /// so that a second surface at the same depth is not lost.
+    /// The paper's way (STD Listing 2): each ray starts at the last hit. It starts there inclusively and
+    /// passes over what has been seen, so that a second surface at the same depth is not lost.
     fn continuation(
         &self,
         ray: &Ray,

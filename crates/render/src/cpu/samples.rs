@@ -4,16 +4,19 @@ use glam::Vec2;
 
 use crate::contract::{Placement, Samples};
 
-/// Offsets of a pixel's sample rays from its centre, pixels, the nearest first: the first sample of a surface is where it is shaded.
+/// Offsets of a pixel's sample rays from its centre, pixels, the nearest first: the first sample of a surface
+/// is where it is shaded.
 pub(super) type SampleOffsets = Vec<Vec2>;
 
-/// Inverse of the plastic number and its square: the additive recurrence that fills the plane most evenly (Roberts 2018, *The Unreasonable
-/// Effectiveness of Quasirandom Sequences*), for any number of points.
+/// Inverse of the plastic number and its square: the additive recurrence that fills the plane most evenly
+/// (Roberts 2018, *The Unreasonable Effectiveness of Quasirandom Sequences*), for any number of points.
 const R2: Vec2 = Vec2::new(0.754_877_7, 0.569_840_3);
-/// Standard deviation of the filter of ST section 3.5, which spans 2×2 pixels: at half a pixel it has fallen to 0.14 at the end of the span.
+/// Standard deviation of the filter of ST section 3.5, which spans 2×2 pixels: at half a pixel it has fallen
+/// to 0.14 at the end of the span.
 const GAUSSIAN_SIGMA_PX: f32 = 0.5;
 
-/// The offsets for a frame. Spread samples take the frame's jitter as a turn of the pattern, so that over frames they fill the pixel.
+/// The offsets for a frame. Spread samples take the frame's jitter as a turn of the pattern, so that over
+/// frames they fill the pixel.
 pub(super) fn offsets(samples: Samples, jitter: Vec2) -> SampleOffsets {
     if samples.placement == Placement::Centre {
         return vec![jitter];
@@ -83,7 +86,8 @@ mod tests {
             })
             .collect();
         let variance = offsets.iter().map(|offset| *offset * *offset).sum::<Vec2>() / offsets.len() as f32;
-        // Of a normal distribution cut off at two standard deviations: 0.7737 of the whole one's (Johnson and Kotz 1970).
+        // Of a normal distribution cut off at two standard deviations: 0.7737 of the whole one's (Johnson and
+        // Kotz 1970).
         let expected = 0.7737 * GAUSSIAN_SIGMA_PX * GAUSSIAN_SIGMA_PX;
         assert!((variance - expected).abs().max_element() < 0.005, "{variance}, {expected}");
         assert!(offsets.iter().all(|offset| offset.abs().max_element() <= 1.0));

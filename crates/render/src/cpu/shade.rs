@@ -21,17 +21,19 @@ pub const DIELECTRIC_F0: f32 = 0.04;
 pub const MIN_ROUGHNESS: f32 = 0.045;
 /// How far light reaches around a puff of smoke: 0 a hard ball, 1 all the way around.
 pub const SMOKE_WRAP: f32 = 0.6;
-/// Forward share of light that shines through a puff towards the viewer, and the width of that glow (Henyey-Greenstein 1941).
+/// Forward share of light that shines through a puff towards the viewer, and the width of that glow
+/// (Henyey-Greenstein 1941).
 pub const SMOKE_ANISOTROPY: f32 = 0.45;
-/// Share of the light that is reflected at the surface of a fibre (refractive index 1.55, Marschner et al. 2003). By eye: more of it and of
-/// [`FIBRE_THROUGH`] makes fur look wet, less makes it felt.
+/// Share of the light that is reflected at the surface of a fibre (refractive index 1.55, Marschner et al.
+/// 2003). By eye: more of it and of [`FIBRE_THROUGH`] makes fur look wet, less makes it felt.
 pub const FIBRE_SURFACE: f32 = 0.0465;
-/// Share of the light that enters a fibre which shines through it. What neither does this nor is [`FIBRE_BACK`] has gone from hair to hair
-/// and comes from everywhere.
+/// Share of the light that enters a fibre which shines through it. What neither does this nor is
+/// [`FIBRE_BACK`] has gone from hair to hair and comes from everywhere.
 pub const FIBRE_THROUGH: f32 = 0.30;
 /// Share of the light that enters a fibre which is reflected at its far side.
 pub const FIBRE_BACK: f32 = 0.15;
-/// How much the scales of a hair tilt its highlights towards the root, as the sine of an angle of about 3 degrees (Marschner et al. 2003).
+/// How much the scales of a hair tilt its highlights towards the root, as the sine of an angle of about 3
+/// degrees (Marschner et al. 2003).
 pub const FIBRE_TILT: f32 = 0.05;
 
 /// Light that arrives at a surface from one light.
@@ -79,7 +81,8 @@ impl Tracer<'_> {
                     })
             }
             ShadingModel::Fibre => {
-                // The side that is seen of a round thing looks towards the viewer as far as its direction allows.
+                // The side that is seen of a round thing looks towards the viewer as far as its direction
+                // allows.
                 let facing = across(surface.normal, to_viewer).normalize_or(to_viewer);
                 surface.emissive
                     + surface.base_colour * scene.environment.diffuse(facing) * surface.occlusion
@@ -91,7 +94,8 @@ impl Tracer<'_> {
         radiance * scene.exposure
     }
 
-    /// Sum over all lights: irradiance × `response` × transmittance; shadows are looked for wherever the response is not none.
+    /// Sum over all lights: irradiance × `response` × transmittance; shadows are looked for wherever the
+    /// response is not none.
     fn lit(
         &self,
         surface: &Surface,
@@ -159,7 +163,8 @@ impl Lobes {
         }
     }
 
-    /// BRDF value: Lambert, and GGX with height-correlated Smith shadowing and Schlick's Fresnel (glTF 2.0, appendix B.3).
+    /// BRDF value: Lambert, and GGX with height-correlated Smith shadowing and Schlick's Fresnel (glTF 2.0,
+    /// appendix B.3).
     fn reflect(&self, surface: &Surface, to_viewer: Vec3, to_light: Vec3) -> Vec3 {
         let half = (to_viewer + to_light).normalize_or(surface.normal);
         let n_dot_l = surface.normal.dot(to_light).max(1e-3);
@@ -185,7 +190,8 @@ impl Lobes {
     }
 }
 
-/// Scattering of a puff: light wraps around its inscribed ball, and some of it shines through towards the viewer.
+/// Scattering of a puff: light wraps around its inscribed ball, and some of it shines through towards the
+/// viewer.
 fn smoke_phase(surface: &Surface, to_viewer: Vec3, to_light: Vec3) -> Vec3 {
     let wrapped = (surface.normal.dot(to_light) + SMOKE_WRAP) / (1.0 + SMOKE_WRAP);
     let wrapped = wrapped.max(0.0) / (1.0 + SMOKE_WRAP);
@@ -200,9 +206,10 @@ fn across(axis: Vec3, direction: Vec3) -> Vec3 {
     direction - axis * axis.dot(direction)
 }
 
-/// Scattering of a fibre, the cosine of the light included: a highlight, light that shines through, light from its far side (Marschner et al.
-/// 2003, in the closed forms of Karis 2016, *Physically Based Hair Shading in Unreal*), and a diffuse part (after Kajiya and Kay 1989) that
-/// stands for all light that has met other hairs before. White scatters no more than what arrives.
+/// Scattering of a fibre, the cosine of the light included: a highlight, light that shines through, light
+/// from its far side (Marschner et al. 2003, in the closed forms of Karis 2016, *Physically Based Hair
+/// Shading in Unreal*), and a diffuse part (after Kajiya and Kay 1989) that stands for all light that has met
+/// other hairs before. White scatters no more than what arrives.
 fn fibre_scattering(surface: &Surface, to_viewer: Vec3, to_light: Vec3) -> Vec3 {
     let along = surface.normal;
     let (light_across, view_across) = (across(along, to_light), across(along, to_viewer));
@@ -245,7 +252,8 @@ mod tests {
         }
     }
 
-    /// Share of the light from everywhere that goes to the viewer: midpoints over height along the fibre and angle around it.
+    /// Share of the light from everywhere that goes to the viewer: midpoints over height along the fibre and
+    /// angle around it.
     fn albedo(surface: &Surface, to_viewer: Vec3) -> f32 {
         let (rises, turns) = (400, 200);
         let mut sum = 0.0;

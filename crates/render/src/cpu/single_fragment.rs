@@ -23,7 +23,8 @@ pub(super) struct Found {
 }
 
 impl Tracer<'_> {
-    /// One ray, one shaded fragment: the one that `find` finds, the background if none. With a hybrid, after the exact fragments.
+    /// One ray, one shaded fragment: the one that `find` finds, the background if none. With a hybrid, after
+    /// the exact fragments.
     pub(super) fn stochastic(
         &mut self,
         hybrid: Hybrid,
@@ -41,7 +42,8 @@ impl Tracer<'_> {
         self.pixel(colour, sample, &camera_ray, hit.as_ref(), transparent)
     }
 
-    /// The nearest fragments exactly, what is left of the visibility by what `find` finds behind them (STD section 3.4).
+    /// The nearest fragments exactly, what is left of the visibility by what `find` finds behind them (STD
+    /// section 3.4).
     fn hybrid(
         &mut self,
         hybrid: Hybrid,
@@ -131,12 +133,13 @@ impl Tracer<'_> {
         }
     }
 
-    /// Fills `layers` with the hits behind `after`, front to back, up to the first with which it is `enough`: a predicate of their count
-    /// and of the visibility behind them that stays true as the one grows and the other falls. False if it never is enough. Their alpha is the
-    /// corrected one.
+    /// Fills `layers` with the hits behind `after`, front to back, up to the first with which it is `enough`:
+    /// a predicate of their count and of the visibility behind them that stays true as the one grows and the
+    /// other falls. False if it never is enough. Their alpha is the corrected one.
     ///
-    /// One traversal. A hit found late, in front of others, can only lower the visibility behind each of these, rounding included, so the
-    /// end known so far is never nearer than the true one: what lies behind it is dropped at once and bounds the ray, and nothing is lost.
+    /// One traversal. A hit found late, in front of others, can only lower the visibility behind each of
+    /// these, rounding included, so the end known so far is never nearer than the true one: what lies behind
+    /// it is dropped at once and bounds the ray, and nothing is lost.
     fn gather_front(
         &mut self,
         camera_ray: &CameraRay,

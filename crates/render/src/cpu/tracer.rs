@@ -1,4 +1,5 @@
-//! What all families do alike for a pixel: rays through it, opacity of what they hit, the pixel that is written.
+//! What all families do alike for a pixel: rays through it, opacity of what they hit, the pixel that is
+//! written.
 
 use glam::{Vec2, Vec3};
 use sheer_accel::{Hit, Ray};
@@ -82,7 +83,8 @@ impl<'a> Tracer<'a> {
         }
     }
 
-    /// A pixel that shows `colour` and has the depth, motion and ids of a hit, or of the far distance without one.
+    /// A pixel that shows `colour` and has the depth, motion and ids of a hit, or of the far distance without
+    /// one.
     pub(super) fn pixel(
         &self,
         colour: Premul,
@@ -173,10 +175,12 @@ pub(super) fn is_behind(hit: &Hit, other: &Hit) -> bool {
     (hit.t, hit.triangle) > (other.t, other.triangle)
 }
 
-/// A camera inside the scene sees things as near as you like; depths are distinguished from this share of the furthest one on.
+/// A camera inside the scene sees things as near as you like; depths are distinguished from this share of the
+/// furthest one on.
 const NEAREST_SHARE: f32 = 1e-3;
 
-/// The depths between which all surfaces lie, along the view axis, from the lowest and highest corner of all triangles; both above 0.
+/// The depths between which all surfaces lie, along the view axis, from the lowest and highest corner of all
+/// triangles; both above 0.
 #[must_use]
 pub fn depth_range(bounds: Option<[Vec3; 2]>, camera: &CameraPose) -> [f32; 2] {
     let Some([low, high]) = bounds else { return [1.0, 2.0] };

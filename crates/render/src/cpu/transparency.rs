@@ -1,4 +1,5 @@
-//! What a frame is rendered with: a method of the table, or one of the caller's own under any of the contracts.
+//! What a frame is rendered with: a method of the table, or one of the caller's own under any of the
+//! contracts.
 
 use sheer_core::coverage::Correction;
 
@@ -47,7 +48,8 @@ pub trait Transparency {
     /// Renders one frame of a stage.
     ///
     /// # Errors
-    /// [`RenderError::Image`] if the size is zero or too much for the memory, [`RenderError::ShadowMaps`] if shadows are.
+    /// [`RenderError::Image`] if the size is zero or too much for the memory, [`RenderError::ShadowMaps`] if
+    /// shadows are.
     fn render(&self, stage: &Stage, settings: &FrameSettings) -> Result<Rendered, RenderError>;
 
     /// How motion vectors are to be aligned under TAA (STD section 3.3.1).
@@ -78,7 +80,8 @@ pub fn render(
     method.render(stage, settings)
 }
 
-/// Rows `Wrapper: Contract, function of the visitor`: a wrapper for each contract, since a type may fulfil several.
+/// Rows `Wrapper: Contract, function of the visitor`: a wrapper for each contract, since a type may fulfil
+/// several.
 macro_rules! own {
     ($($(#[$about:meta])* $wrapper:ident : $contract:ident, $visit:ident;)+) => {
         $(

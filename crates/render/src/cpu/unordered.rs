@@ -28,8 +28,8 @@ fn since(start: Instant) -> u64 {
 }
 
 impl Tracer<'_> {
-    /// Fragments in the order of the scene's triangles, pass after pass, over an opaque background of its own for each sample.
-    /// `keeps_layer`: their light is wanted by itself, too.
+    /// Fragments in the order of the scene's triangles, pass after pass, over an opaque background of its own
+    /// for each sample. `keeps_layer`: their light is wanted by itself, too.
     pub(super) fn composite_unordered<M: UnorderedCompositing>(
         &mut self,
         method: &M,
@@ -85,7 +85,8 @@ impl Tracer<'_> {
         result
     }
 
-    /// Fills `fragments`, `depths` and `opaque` from `rays`. `all` is the mask of all samples, which one ray may have in common.
+    /// Fills `fragments`, `depths` and `opaque` from `rays`. `all` is the mask of all samples, which one ray
+    /// may have in common.
     fn gather_fragments(&self, work: &mut Workspace, all: u64, counters: &mut Counters) {
         let Workspace { rays, hits, opaque, fragments, depths, .. } = work;
         hits.clear();
@@ -133,8 +134,8 @@ impl Tracer<'_> {
         }
     }
 
-    /// The method's light over the background of each sample, and whether any of that is seen. A surface is shaded once a pixel, at the
-    /// sample nearest to the centre.
+    /// The method's light over the background of each sample, and whether any of that is seen. A surface is
+    /// shaded once a pixel, at the sample nearest to the centre.
     fn over_background<M: UnorderedCompositing>(
         &self,
         method: &M,

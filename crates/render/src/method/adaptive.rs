@@ -1,8 +1,9 @@
-//! Adaptive transparency: visibility over depth as a staircase of N steps, built in one pass, by which a second pass adds up all colours
-//! (Salvi, Montgomery and Lefohn 2011).
+//! Adaptive transparency: visibility over depth as a staircase of N steps, built in one pass, by which a
+//! second pass adds up all colours (Salvi, Montgomery and Lefohn 2011).
 //!
-//! Of one step too many, that one goes whose removal changes the area under the staircase least: it is joined with the step in front, so
-//! visibility is never more than it should be. The paper's program spares the steps nearest to the eye; here all are judged alike.
+//! Of one step too many, that one goes whose removal changes the area under the staircase least: it is joined
+//! with the step in front, so visibility is never more than it should be. The paper's program spares the
+//! steps nearest to the eye; here all are judged alike.
 
 use std::ops::ControlFlow;
 

@@ -1,5 +1,5 @@
-//! Dither Temporal AA of Unreal Engine 4: thresholds from a 5×5 map that walks over the screen, the same for all objects (STD section 2.2,
-//! Listing 1).
+//! Dither Temporal AA of Unreal Engine 4: thresholds from a 5×5 map that walks over the screen, the same for
+//! all objects (STD section 2.2, Listing 1).
 
 use sheer_core::{bibliography, parameter::Values};
 
@@ -46,14 +46,16 @@ impl Dtaa {
 impl Threshold for Dtaa {
     #[inline]
     fn threshold(&self, site: &Site, tables: &Tables) -> f32 {
-        // The listing draws nothing at random. A seed moves the whole pattern sideways, seed 0 leaves it in place.
+        // The listing draws nothing at random. A seed moves the whole pattern sideways, seed 0 leaves it in
+        // place.
         let [x, y] = site.pixel;
         let pixel = [x + site.seed % PERIOD_PX, y];
         threshold(stratum(pixel, site.frame), self.noise.of_all(pixel, tables))
     }
 }
 
-/// `stratify` of Listing 1, 0 to 4: the frame index is added to both coordinates, so that a pixel steps by 3 of 5 a frame.
+/// `stratify` of Listing 1, 0 to 4: the frame index is added to both coordinates, so that a pixel steps by 3
+/// of 5 a frame.
 #[inline]
 pub(super) fn stratum(pixel: [u32; 2], frame: u32) -> u32 {
     let [x, y] = pixel.map(|coordinate| coordinate % SIDE + frame % SIDE);

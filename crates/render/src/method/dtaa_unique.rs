@@ -1,4 +1,5 @@
-//! DTAA*: the 5×5 map of DTAA with its five thresholds permuted at random for each object (STD sections 2.2 and 4).
+//! DTAA*: the 5×5 map of DTAA with its five thresholds permuted at random for each object (STD sections 2.2
+//! and 4).
 
 use sheer_core::{bibliography, parameter::Values};
 

@@ -1,13 +1,15 @@
-//! Hashed alpha testing: thresholds hashed from where on its object a hit lies, so that the noise sticks to the surface (Wyman and McGuire
-//! 2017).
+//! Hashed alpha testing: thresholds hashed from where on its object a hit lies, so that the noise sticks to
+//! the surface (Wyman and McGuire 2017).
 //!
-//! Space is cut into cells about as large as a pixel, and each cell draws one number. Cells of exactly a pixel would slide over the surface
-//! as the camera nears, so their sizes are powers of two only: the next smaller and the next larger one each give a number, and the two are
-//! blended by where the pixel lies between them. A blend of uniform numbers is not uniform; its cumulative distribution function makes it
-//! so again.
+//! Space is cut into cells about as large as a pixel, and each cell draws one number. Cells of exactly a
+//! pixel would slide over the surface as the camera nears, so their sizes are powers of two only: the next
+//! smaller and the next larger one each give a number, and the two are blended by where the pixel lies
+//! between them. A blend of uniform numbers is not uniform; its cumulative distribution function makes it so
+//! again.
 //!
-//! Deviations: cells are hashed as integers, as everywhere in Sheer; the object enters the hash, as equal objects on top of one another
-//! would mask each other otherwise; and the frame does, so that the mean over time converges.
+//! Deviations: cells are hashed as integers, as everywhere in Sheer; the object enters the hash, as equal
+//! objects on top of one another would mask each other otherwise; and the frame does, so that the mean over
+//! time converges.
 
 use sheer_core::{
     bibliography,
@@ -85,8 +87,8 @@ impl Threshold for Hashed {
     }
 }
 
-/// The cumulative distribution of `(1 - weight) A + weight B` for uniform A and B, at `blend`. Its density is a trapezoid: it rises over the
-/// smaller of both weights, is level, and falls again.
+/// The cumulative distribution of `(1 - weight) A + weight B` for uniform A and B, at `blend`. Its density is
+/// a trapezoid: it rises over the smaller of both weights, is level, and falls again.
 #[inline]
 fn uniform_from_blend(blend: f32, weight: f32) -> f32 {
     let ramp = weight.min(1.0 - weight);

@@ -1,5 +1,6 @@
-//! Joint dithering: the thresholds of STD, one a pixel for all its layers, held against the coverage they accumulate. Our own answer to
-//! the first item of STD section 6: layers cannot mask one another, since there is nothing to correlate.
+//! Joint dithering: the thresholds of STD, one a pixel for all its layers, held against the coverage they
+//! accumulate. Our own answer to the first item of STD section 6: layers cannot mask one another, since there
+//! is nothing to correlate.
 
 use sheer_core::{bibliography, choice, hash::pcg2d, parameter::Values, threshold_map::threshold_index};
 
@@ -48,7 +49,8 @@ const SHIFT_PX: u32 = 3 * 64;
 const CYCLE_FRAMES: u32 = 9;
 /// The golden ratio less 1 in 32 binary places: its multiples fill the circle evenly, however many there are.
 const GOLDEN_RATIO_BITS: u32 = 0x9e37_79b9;
-/// Binary places inside a stratum: with the stratum before the point they fill the 24 bits of an `f32`, so that no threshold rounds to 1.
+/// Binary places inside a stratum: with the stratum before the point they fill the 24 bits of an `f32`, so
+/// that no threshold rounds to 1.
 const OFFSET_BITS: u32 = 20;
 
 /// Joint dithering with or without a moving blue noise.
@@ -70,7 +72,8 @@ impl Joint {
 
 impl Selection for Joint {
     fn threshold(&self, pixel: [u32; 2], frame: u32, seed: u32, tables: &Tables) -> f32 {
-        // Another seed moves the pattern over the screen. Any map would do, as there is nothing that it has to differ from.
+        // Another seed moves the pattern over the screen. Any map would do, as there is nothing that it has
+        // to differ from.
         let [shift_x, shift_y] = pcg2d([seed, 0]);
         let pixel = [pixel[0].wrapping_add(shift_x % SHIFT_PX), pixel[1].wrapping_add(shift_y % SHIFT_PX)];
         let stratum = threshold_index(&tables.std_maps[0], pixel, frame);

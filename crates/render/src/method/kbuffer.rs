@@ -1,9 +1,10 @@
-//! The k-buffer: k fragments, sorted; when there is one too many the nearest is blended into the picture and makes room (Bavoil et al.
-//! 2007).
+//! The k-buffer: k fragments, sorted; when there is one too many the nearest is blended into the picture and
+//! makes room (Bavoil et al. 2007).
 //!
-//! That is exact where fragments come nearly sorted, none of them more than k positions from where it belongs, and the paper sorts geometry
-//! beforehand for it. Here it comes in any order: what arrives too late is blended behind what it should hide. To merge the furthest
-//! instead is multi-layer alpha blending, which has a name of its own in the table.
+//! That is exact where fragments come nearly sorted, none of them more than k positions from where it
+//! belongs, and the paper sorts geometry beforehand for it. Here it comes in any order: what arrives too late
+//! is blended behind what it should hide. To merge the furthest instead is multi-layer alpha blending, which
+//! has a name of its own in the table.
 
 use std::ops::ControlFlow;
 
@@ -77,7 +78,8 @@ impl UnorderedCompositing for Kbuffer {
         Memory::Bounded(12 * self.k + 8)
     }
 
-    /// The k nearest depths are found first, then the fragments that have them; all others are summed up without order.
+    /// The k nearest depths are found first, then the fragments that have them; all others are summed up
+    /// without order.
     fn raster(&self) -> Result<Raster, NoRaster> {
         let bytes_per_pixel = u64::from(4 * self.k);
         let resources = vec![

@@ -89,7 +89,8 @@ impl UnorderedCompositing for List {
     }
 
     fn memory(&self) -> Memory {
-        // Colour and alpha in 16-bit floats, depth, link to the next; of several samples a mask, and a depth each.
+        // Colour and alpha in 16-bit floats, depth, link to the next; of several samples a mask, and a depth
+        // each.
         let samples = self.samples.count;
         Memory::PerFragment(if samples == 1 { 16 } else { 12 + samples.div_ceil(8) + 4 * samples })
     }
@@ -118,7 +119,8 @@ impl UnorderedCompositing for List {
         let first_depth = pixel.depths.len();
         pixel.depths.extend_from_slice(depths);
         let sort_key = |entry: &Entry| (pixel.depths[entry.first_depth], entry.order);
-        // In one order whatever that of arrival, so that not even rounding tells them apart; of one sample it is the final one.
+        // In one order whatever that of arrival, so that not even rounding tells them apart; of one sample it
+        // is the final one.
         let at = pixel.entries.partition_point(|other| sort_key(other) < (depths[0], order));
         pixel.entries.insert(at, Entry { coverage, alpha, rgb_straight: shade(), first_depth, order });
         ControlFlow::Continue(())

@@ -1,5 +1,5 @@
-//! Multi-layer alpha blending: k layers with colour, transmittance and depth; of one too many the two furthest become one (Salvi and
-//! Vaidyanathan 2014, section 3).
+//! Multi-layer alpha blending: k layers with colour, transmittance and depth; of one too many the two
+//! furthest become one (Salvi and Vaidyanathan 2014, section 3).
 //!
 //! A merged layer keeps the depth of its front, so that what comes later is put before or behind all of it.
 

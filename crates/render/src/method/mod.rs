@@ -1,5 +1,6 @@
-//! All methods, one file each. To add one: write `method/<name>.rs` after the pattern of its neighbours and put its name into the table
-//! below; the command line, `sheer methods`, the docs and the tests that walk all methods follow.
+//! All methods, one file each. To add one: write `method/<name>.rs` after the pattern of its neighbours and
+//! put its name into the table below; the command line, `sheer methods`, the docs and the tests that walk all
+//! methods follow.
 
 use ::std::{fmt, str::FromStr};
 
@@ -57,7 +58,8 @@ impl Family {
         }
     }
 
-    /// All keys of a method of this family: its own, then those that families of one shaded fragment have in common.
+    /// All keys of a method of this family: its own, then those that families of one shaded fragment have in
+    /// common.
     fn parameters(self, info: &MethodInfo) -> Vec<ParameterInfo> {
         if !self.shades_one_fragment() {
             return info.parameters.to_vec();
@@ -247,15 +249,16 @@ impl Method {
         self.alignment
     }
 
-    /// The method with a correction of the caller's own; it prints as `text` from now on. A method that composites has no threshold and
-    /// renders as before.
+    /// The method with a correction of the caller's own; it prints as `text` from now on. A method that
+    /// composites has no threshold and renders as before.
     #[must_use]
     pub fn with_correction(self, correction: Correction, text: impl Into<String>) -> Self {
         Self { correction, text: text.into(), ..self }
     }
 }
 
-/// Every method of the table with its defaults, followed by itself with each other word of each of its own choices.
+/// Every method of the table with its defaults, followed by itself with each other word of each of its own
+/// choices.
 pub fn variants() -> impl Iterator<Item = Method> {
     let texts = METHODS.iter().flat_map(|info| {
         let words = info.parameters.iter().flat_map(|parameter| {

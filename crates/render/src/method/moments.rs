@@ -1,11 +1,13 @@
-//! Moment-based transparency: a first pass adds up moments of the absorbance over depth, a second one adds up all colours by the
-//! transmittance that they imply (Münstermann, Krumpen, Klein and Peters 2018, with power moments).
+//! Moment-based transparency: a first pass adds up moments of the absorbance over depth, a second one adds up
+//! all colours by the transmittance that they imply (Münstermann, Krumpen, Klein and Peters 2018, with power
+//! moments).
 //!
-//! Absorbance, -ln(1 - alpha), adds up where transmittance multiplies, so that blending units can do it in any order. The moments leave open
-//! where in depth it lies; the paper takes the point between the least and the largest answer that `overestimation` names.
+//! Absorbance, -ln(1 - alpha), adds up where transmittance multiplies, so that blending units can do it in
+//! any order. The moments leave open where in depth it lies; the paper takes the point between the least and
+//! the largest answer that `overestimation` names.
 //!
-//! Moments are summed in 32 bits, as on a GPU. The algebra that follows is in 64, so that an error is that of the method, and the biased
-//! matrix is factorised once a pixel, where a shader does it for each fragment.
+//! Moments are summed in 32 bits, as on a GPU. The algebra that follows is in 64, so that an error is that of
+//! the method, and the biased matrix is factorised once a pixel, where a shader does it for each fragment.
 
 use std::ops::ControlFlow;
 
@@ -68,8 +70,8 @@ impl Order {
         }
     }
 
-    /// How far 32-bit moments are moved, and the even moments (the odd ones are 0) that they are moved to: both as the
-    /// paper's supplement gives them.
+    /// How far 32-bit moments are moved, and the even moments (the odd ones are 0) that they are moved to:
+    /// both as the paper's supplement gives them.
     fn published_bias(self) -> (f64, &'static [f64]) {
         match self {
             Self::Four => (5e-7, &[0.375, 0.375]),
@@ -112,8 +114,8 @@ impl Moments {
         visitor.unordered(self)
     }
 
-    /// The moments a unit of absorbance, moved towards those of a distribution that is well inside the valid ones, so that rounding takes
-    /// none outside.
+    /// The moments a unit of absorbance, moved towards those of a distribution that is well inside the valid
+    /// ones, so that rounding takes none outside.
     fn biased(&self, pixel: &Sums) -> [f64; hamburger::MOST_MOMENTS] {
         let (bias, towards) = self.order.published_bias();
         std::array::from_fn(|index| {
@@ -125,7 +127,8 @@ impl Moments {
 }
 
 impl Sums {
-    /// The logarithm of depth from -1 at the nearest to 1 at the furthest: layers are told apart by the ratio of their depths.
+    /// The logarithm of depth from -1 at the nearest to 1 at the furthest: layers are told apart by the ratio
+    /// of their depths.
     fn warped(&self, depth: f32) -> f32 {
         let [near, far] = self.ln_depth_range;
         let share = (depth.ln() - near) / (far - near).max(f32::EPSILON);

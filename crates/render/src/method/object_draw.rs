@@ -1,4 +1,5 @@
-//! What an object draws for itself, so that stacked objects do not mask one another: a map, a permutation, an offset into a mask.
+//! What an object draws for itself, so that stacked objects do not mask one another: a map, a permutation, an
+//! offset into a mask.
 
 use glam::{Vec2, Vec3};
 use sheer_core::{
@@ -38,8 +39,8 @@ pub(super) const REHASH: ParameterInfo = ParameterInfo {
            9: after each cycle of std",
 };
 
-/// What the second number that an object draws is hashed with, on top of all that makes the first: small, as the sine hash
-/// wants it.
+/// What the second number that an object draws is hashed with, on top of all that makes the first: small, as
+/// the sine hash wants it.
 const SECOND_DRAW: u32 = 1;
 /// [`SECOND_DRAW`] for the shaders of all methods whose objects draw.
 pub(super) const SECOND_DRAW_CONSTANT: ShaderConstant = ShaderConstant::count("SECOND_DRAW", SECOND_DRAW);
@@ -141,7 +142,8 @@ mod tests {
 
     #[test]
     fn every_choice_is_equally_likely() {
-        // Each of 120 choices is expected 1000 times; the variance of the statistic is twice its 119 degrees of freedom.
+        // Each of 120 choices is expected 1000 times; the variance of the statistic is twice its 119 degrees
+        // of freedom.
         for settings in ["", "identity=primitive", "rehash=1"] {
             let draw = ObjectDraw::new(&Values::parse(KNOWN, settings).unwrap());
             let mut counts = [0_u32; 120];

@@ -1,6 +1,8 @@
-//! Depth peeling: each pass draws all fragments and keeps the nearest one behind what the last pass kept (Mammen 1989, Everitt 2001).
+//! Depth peeling: each pass draws all fragments and keeps the nearest one behind what the last pass kept
+//! (Mammen 1989, Everitt 2001).
 //!
-//! A fragment is shaded when it passes both depth tests, even if a nearer one replaces it later in the pass, as on a GPU.
+//! A fragment is shaded when it passes both depth tests, even if a nearer one replaces it later in the pass,
+//! as on a GPU.
 
 use std::ops::ControlFlow;
 
@@ -73,7 +75,8 @@ impl Peel {
 }
 
 impl Peeled {
-    /// Colour and visibility of what has been peeled with the layer that the pass has found composited behind it.
+    /// Colour and visibility of what has been peeled with the layer that the pass has found composited behind
+    /// it.
     fn blended(&self) -> (Vec3, f32) {
         self.next.map_or((self.rgb_premul, self.visibility), |next| {
             let rgb = self.rgb_premul + self.visibility * next.alpha * next.rgb_straight;

@@ -71,9 +71,9 @@ impl Threshold for Roulette {
                 let seed = (site.seed % MCGUIRE_SEEDS) as f32 * MCGUIRE_SEED_STEP;
                 mcguire4(site.position.extend(site.frame as f32 + seed))
             }
-            // Listing 3 hashes the position in the world. Its bits differ from device to device, so the position is given
-            // by integers here: the pixel, and which triangle of which object is hit in it. Surfaces at the same depth
-            // draw independent numbers.
+            // Listing 3 hashes the position in the world. Its bits differ from device to device, so the
+            // position is given by integers here: the pixel, and which triangle of which object is hit in it.
+            // Surfaces at the same depth draw independent numbers.
             Hash::Pcg => {
                 let object = pcg(site.geometry ^ site.seed.rotate_left(16)).wrapping_add(site.instance);
                 let [x, y] = site.pixel;

@@ -1,4 +1,5 @@
-//! A fixed number of layers of a pixel, sorted by depth: what the k-buffer and multi-layer alpha blending keep.
+//! A fixed number of layers of a pixel, sorted by depth: what the k-buffer and multi-layer alpha blending
+//! keep.
 
 use glam::Vec3;
 
@@ -29,7 +30,8 @@ impl Layer {
         }
     }
 
-    /// This layer composited over another one as a single layer, which keeps the sort key of the one in front.
+    /// This layer composited over another one as a single layer, which keeps the sort key of the one in
+    /// front.
     pub(super) fn over(self, behind: &Self) -> Self {
         Self {
             sort_key: self.sort_key,

@@ -1,5 +1,5 @@
-//! Spatio-temporal blue noise: thresholds from a mask that is blue noise in each frame and in each pixel over the frames, moved elsewhere
-//! for each object (Wolfe et al. 2022; STD section 7.2).
+//! Spatio-temporal blue noise: thresholds from a mask that is blue noise in each frame and in each pixel over
+//! the frames, moved elsewhere for each object (Wolfe et al. 2022; STD section 7.2).
 
 use sheer_core::{
     bibliography,
@@ -30,7 +30,8 @@ pub const INFO: MethodInfo = MethodInfo {
     }],
 };
 
-/// Dithering by a spatio-temporal blue noise mask of 64×64 pixels and 16 frames. The paper's has 128×128 pixels.
+/// Dithering by a spatio-temporal blue noise mask of 64×64 pixels and 16 frames. The paper's has 128×128
+/// pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stbn {
     draw: ObjectDraw,

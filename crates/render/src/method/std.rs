@@ -1,4 +1,5 @@
-//! Spatio-temporal dithering: thresholds from 3×3 maps that walk over the screen, one map an object (STD section 3.3, Listing 4).
+//! Spatio-temporal dithering: thresholds from 3×3 maps that walk over the screen, one map an object (STD
+//! section 3.3, Listing 4).
 
 use sheer_core::{
     bibliography,

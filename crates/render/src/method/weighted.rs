@@ -1,9 +1,10 @@
-//! Weighted blended transparency: the mean of all colours, those nearer to the eye with more weight, over a background that is seen by the
-//! exact transmittance (McGuire and Bavoil 2013).
+//! Weighted blended transparency: the mean of all colours, those nearer to the eye with more weight, over a
+//! background that is seen by the exact transmittance (McGuire and Bavoil 2013).
 //!
-//! The weight functions are curves over the depth in scene units, made for metres and a range of 0.1 to 500. They depend on scale: the same
-//! scene in centimetres has nearly all weights at their least and becomes the plain mean; a thumbnail of it has them at their most. Only
-//! Eq. 10 goes by where a depth lies within the range of the frame.
+//! The weight functions are curves over the depth in scene units, made for metres and a range of 0.1 to 500.
+//! They depend on scale: the same scene in centimetres has nearly all weights at their least and becomes the
+//! plain mean; a thumbnail of it has them at their most. Only Eq. 10 goes by where a depth lies within the
+//! range of the frame.
 
 use std::ops::ControlFlow;
 

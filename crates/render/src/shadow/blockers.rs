@@ -20,8 +20,8 @@ pub(super) struct Blocker {
 /// What a ray from the light meets up to the first opaque surface.
 #[derive(Debug, Default)]
 pub(super) struct Blockers {
-    /// From the light on; equal depths in the order of their triangles. Sorted even where a technique could do without, so that sums have
-    /// the same bits whatever the shape of the tree.
+    /// From the light on; equal depths in the order of their triangles. Sorted even where a technique could
+    /// do without, so that sums have the same bits whatever the shape of the tree.
     pub(super) transparent: Vec<Blocker>,
     /// Depth of the first opaque surface; infinite without one.
     pub(super) opaque_depth: f32,
@@ -60,7 +60,8 @@ impl Blockers {
     }
 }
 
-/// What `record` appends of the blockers of each texel, in the order of the texels, whatever the number of threads.
+/// What `record` appends of the blockers of each texel, in the order of the texels, whatever the number of
+/// threads.
 pub(super) fn record<T: Copy + Send>(
     view: &View<'_>,
     projection: &Projection,

@@ -1,5 +1,6 @@
-//! Deep shadow maps (Lokovic and Veach, *Deep Shadow Maps*, 2000): each texel keeps the visibility along its ray as a piecewise linear function,
-//! compressed to a tolerance. One ray a texel; what the paper averages over a texel's area is left to the filter of the lookup.
+//! Deep shadow maps (Lokovic and Veach, *Deep Shadow Maps*, 2000): each texel keeps the visibility along its
+//! ray as a piecewise linear function, compressed to a tolerance. One ray a texel; what the paper averages
+//! over a texel's area is left to the filter of the lookup.
 
 use glam::Vec3;
 use sheer_core::{
@@ -88,7 +89,8 @@ impl Technique for DeepMap {
     }
 }
 
-/// A corner of a visibility function. Two at one depth are a step; the function is 1 before the first and constant after the last.
+/// A corner of a visibility function. Two at one depth are a step; the function is 1 before the first and
+/// constant after the last.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Vertex {
     depth: f32,
@@ -103,7 +105,8 @@ struct Slopes {
 }
 
 impl Slopes {
-    /// None rises: visibility never does. Being within the tolerance at the start, a level segment always is an answer to one more flat piece.
+    /// None rises: visibility never does. Being within the tolerance at the start, a level segment always is
+    /// an answer to one more flat piece.
     const ANY: Self = Self { least: f32::NEG_INFINITY, most: 0.0 };
 
     /// Those that also pass a depth within the tolerance of a visibility.
@@ -125,9 +128,9 @@ impl Slopes {
     }
 }
 
-/// Appends a function that is nowhere farther than the tolerance from the one that `steps` (depth, share that passes) make, with the greedy
-/// choice of segments of Lokovic and Veach (section 3.2). A step that no segment can cross within the tolerance stays a step, and no light
-/// at all stays none.
+/// Appends a function that is nowhere farther than the tolerance from the one that `steps` (depth, share that
+/// passes) make, with the greedy choice of segments of Lokovic and Veach (section 3.2). A step that no
+/// segment can cross within the tolerance stays a step, and no light at all stays none.
 fn compress(steps: impl Iterator<Item = (f32, f32)>, tolerance: f32, vertices: &mut Vec<Vertex>) {
     let mut truth = 1.0;
     let mut start = Vertex { depth: 0.0, visibility: 1.0 };

@@ -1,8 +1,9 @@
-//! Fourier opacity mapping (Jansen and Bavoil, *Fourier Opacity Mapping*, 2010): each texel keeps the absorption along its ray as the first
-//! terms of a Fourier series.
+//! Fourier opacity mapping (Jansen and Bavoil, *Fourier Opacity Mapping*, 2010): each texel keeps the
+//! absorption along its ray as the first terms of a Fourier series.
 //!
-//! One deviation: the series of a texel spans its own blockers, not the whole depth of the light. The last blocker lies inside the period, so
-//! that the light behind it is exact; at a blocker the series is soft, and between blockers it rings.
+//! One deviation: the series of a texel spans its own blockers, not the whole depth of the light. The last
+//! blocker lies inside the period, so that the light behind it is exact; at a blocker the series is soft, and
+//! between blockers it rings.
 
 use std::f32::consts::TAU;
 
@@ -39,8 +40,9 @@ pub(super) const INFO: ShadowInfo = ShadowInfo {
     ],
 };
 
-/// Share of the depth between the first and the last blocker that the period has on either side of them. Without it the two ends would be one
-/// point of the circle, and the ringing of the last blocker would darken the first; much more spends the terms on emptiness.
+/// Share of the depth between the first and the last blocker that the period has on either side of them.
+/// Without it the two ends would be one point of the circle, and the ringing of the last blocker would darken
+/// the first; much more spends the terms on emptiness.
 const MARGIN: f32 = 0.25;
 
 /// Fourier opacity mapping with a number of terms.
@@ -55,7 +57,8 @@ impl Fourier {
         Self { resolution: values.count("resolution"), terms: values.count("terms") }
     }
 
-    /// Numbers kept of a texel: depths of the opaque surface and of the ends of the period; for each channel the constant, then pairs.
+    /// Numbers kept of a texel: depths of the opaque surface and of the ends of the period; for each channel
+    /// the constant, then pairs.
     fn stride(&self, channels: usize) -> usize {
         3 + channels * self.coefficients()
     }
@@ -101,7 +104,8 @@ impl Technique for Fourier {
     }
 }
 
-/// Adds an optical depth at a position in the period, 0 to 1 (their Eq. 5): the coefficients a0 / 2, a1, b1, a2, b2…
+/// Adds an optical depth at a position in the period, 0 to 1 (their Eq. 5): the coefficients a0 / 2, a1, b1,
+/// a2, b2…
 fn add(series: &mut [f32], turn: f32, optical_depth: f32) {
     series[0] += optical_depth;
     for (index, pair) in series[1..].chunks_exact_mut(2).enumerate() {
@@ -113,7 +117,8 @@ fn add(series: &mut [f32], turn: f32, optical_depth: f32) {
 
 /// Optical depth up to a position in the period: the integral of the series (their Eq. 6).
 fn evaluate(series: &[f32], turn: f32) -> f32 {
-    // No light is made up where the series rings below nothing, and none is lost from the whole at the end of the period.
+    // No light is made up where the series rings below nothing, and none is lost from the whole at the end of
+    // the period.
     let turn = turn.clamp(0.0, 1.0);
     let terms = series[1..].chunks_exact(2).enumerate().map(|(index, pair)| {
         let frequency = TAU * (index + 1) as f32;
@@ -162,8 +167,9 @@ mod tests {
 
     use super::*;
 
-    /// The tail of the series of a step is at most `1 / (π (n + 1) |sin π x|)` at a distance of `x` periods (Abel's summation), and the step has
-    /// it once at the position asked for and once at the start of the period.
+    /// The tail of the series of a step is at most `1 / (π (n + 1) |sin π x|)` at a distance of `x` periods
+    /// (Abel's summation), and the step has it once at the position asked for and once at the start of the
+    /// period.
     fn bound(terms: usize, blockers: &[(f32, f32)], turn: f32) -> f32 {
         let tail = |distance: f32| 1.0 / (PI * (terms + 1) as f32 * (PI * distance).sin().abs());
         blockers.iter().map(|(at, depth)| depth * (tail(turn - at) + tail(*at))).sum()

@@ -18,15 +18,17 @@ choice! {
 /// The most samples of a texel: a mask is a 64-bit word.
 pub(super) const MOST_SAMPLES: u32 = 64;
 
-/// Seed of the mask of a blocker, given by its triangle, in a texel. Masks of two blockers have to be independent.
+/// Seed of the mask of a blocker, given by its triangle, in a texel. Masks of two blockers have to be
+/// independent.
 pub(super) fn seed(texel: usize, blocker: u32, key: u32) -> u64 {
     let [high, low, ..] = pcg4d([texel as u32, blocker, key, (texel as u64 >> 32) as u32]);
     u64::from(high) << 32 | u64::from(low)
 }
 
 impl Sampling {
-    /// Bit `s` is set if sample `s` of `samples` is covered; each is with probability `alpha`. For one seed a larger alpha covers what a
-    /// smaller one covers and more, so that three channels with one seed lose no light to chance colours (McGuire and Enderton 2011).
+    /// Bit `s` is set if sample `s` of `samples` is covered; each is with probability `alpha`. For one seed a
+    /// larger alpha covers what a smaller one covers and more, so that three channels with one seed lose no
+    /// light to chance colours (McGuire and Enderton 2011).
     pub(super) fn mask(self, alpha: f32, samples: u32, seed: u64) -> u64 {
         match self {
             Self::Naive => {
@@ -42,8 +44,8 @@ impl Sampling {
     }
 }
 
-/// A random subset of `count` of `samples` samples, all equally likely: the first ones of a random order, by the shuffle of Fisher and
-/// Yates, stopped early.
+/// A random subset of `count` of `samples` samples, all equally likely: the first ones of a random order, by
+/// the shuffle of Fisher and Yates, stopped early.
 fn subset(seed: u64, count: u32, samples: u32) -> u64 {
     if count >= samples {
         return u64::MAX >> (MOST_SAMPLES - samples);

@@ -1,8 +1,9 @@
-//! Shadows: how much light passes everything between a light and a point. One technique a file; to add one, write `shadow/<name>.rs` after
-//! the pattern of its neighbours and put its name into the table below: the command line, the lists and the tests that walk all follow.
+//! Shadows: how much light passes everything between a light and a point. One technique a file; to add one,
+//! write `shadow/<name>.rs` after the pattern of its neighbours and put its name into the table below: the
+//! command line, the lists and the tests that walk all follow.
 //!
-//! A technique makes a `Map` for each light at the start of a frame, and shading asks it. Maps are traced from the light through the
-//! texels of a `projection`; deep rays need none.
+//! A technique makes a `Map` for each light at the start of a frame, and shading asks it. Maps are traced
+//! from the light through the texels of a `projection`; deep rays need none.
 
 use std::{fmt, str::FromStr, time::Instant};
 
@@ -98,7 +99,8 @@ shadows! {
     fourier::Fourier,
 }
 
-/// A shadow technique with its parameters. Parse one from `name:key=value,key=value`; it prints with all its keys.
+/// A shadow technique with its parameters. Parse one from `name:key=value,key=value`; it prints with all its
+/// keys.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shadow {
     kind: Kind,
@@ -179,8 +181,8 @@ impl Shadows {
         self.rays
     }
 
-    /// Share of the light of one of the frame's lights, red, green and blue, that arrives at a point of a surface with a unit normal. `key`
-    /// is hashed where taps are random.
+    /// Share of the light of one of the frame's lights, red, green and blue, that arrives at a point of a
+    /// surface with a unit normal. `key` is hashed where taps are random.
     ///
     /// # Panics
     /// If the stage's frame has no such light.

@@ -1,8 +1,9 @@
-//! Deep opacity maps (Yuksel and Keyser, *Deep Opacity Maps*, 2008): layers of accumulated opacity that start at the first blocker of each
-//! texel.
+//! Deep opacity maps (Yuksel and Keyser, *Deep Opacity Maps*, 2008): layers of accumulated opacity that start
+//! at the first blocker of each texel.
 //!
-//! Two deviations, which make the light behind all layers exact. The layers of a texel end at its last blocker, not after a length that
-//! the user has to find for each scene; and what is summed is the optical depth `-ln(1 - alpha)`, not alpha.
+//! Two deviations, which make the light behind all layers exact. The layers of a texel end at its last
+//! blocker, not after a length that the user has to find for each scene; and what is summed is the optical
+//! depth `-ln(1 - alpha)`, not alpha.
 
 use glam::Vec3;
 use sheer_core::{
@@ -36,7 +37,8 @@ pub(super) const INFO: ShadowInfo = ShadowInfo {
     ],
 };
 
-/// Optical depth of a blocker of which a channel lets some light pass; bounded where that is less than anyone would see.
+/// Optical depth of a blocker of which a channel lets some light pass; bounded where that is less than anyone
+/// would see.
 pub(super) fn optical_depth(through: f32) -> f32 {
     -through.clamp(MIN_VISIBILITY, 1.0).ln()
 }
@@ -53,7 +55,8 @@ impl OpacityMap {
         Self { resolution: values.count("resolution"), layers: values.count("layers") }
     }
 
-    /// Numbers kept of a texel: depths of the opaque surface, the first and the last blocker; then the layers.
+    /// Numbers kept of a texel: depths of the opaque surface, the first and the last blocker; then the
+    /// layers.
     fn stride(&self, channels: usize) -> usize {
         3 + channels * self.layers as usize
     }
@@ -107,7 +110,8 @@ struct Layers {
     texels: Vec<f32>,
 }
 
-/// Optical depth in front of a depth: linear across a layer, from what lies before it to what has gathered at its end.
+/// Optical depth in front of a depth: linear across a layer, from what lies before it to what has gathered at
+/// its end.
 fn evaluate(layers: &[f32], [first, last]: [f32; 2], depth: f32) -> f32 {
     let total = layers[layers.len() - 1];
     if depth <= first {

@@ -1,4 +1,5 @@
-//! From world to the texels of a light's map: parallel for the sun, central for a spot, six squares around a point.
+//! From world to the texels of a light's map: parallel for the sun, central for a spot, six squares around a
+//! point.
 
 use std::f32::consts::FRAC_PI_3;
 
@@ -10,24 +11,27 @@ use sheer_scene::{Frame, FrameLight, model::LightKind};
 use super::technique::Receiver;
 use crate::stage::Stage;
 
-/// Spots that open wider than this from their axis get the six squares of a point: one square would spend its texels on its corners.
+/// Spots that open wider than this from their axis get the six squares of a point: one square would spend its
+/// texels on its corners.
 const WIDEST_SPOT_RAD: f32 = FRAC_PI_3;
-/// Texels of a parallel map grow in steps of this factor with what they have to cover, so that the map of a still town does not crawl when a
-/// puff of smoke drifts.
+/// Texels of a parallel map grow in steps of this factor with what they have to cover, so that the map of a
+/// still town does not crawl when a puff of smoke drifts.
 const TEXEL_STEP: f32 = 1.09;
-/// Neighbouring facets of what is meant as smooth turn by up to 11° (tangent 0.2) against each other, which the plane of the receiver does
-/// not know. Less brings dark facets back on spheres of 32 segments, more lets light under thin things.
+/// Neighbouring facets of what is meant as smooth turn by up to 11° (tangent 0.2) against each other, which
+/// the plane of the receiver does not know. Less brings dark facets back on spheres of 32 segments, more lets
+/// light under thin things.
 pub const FACET_SLOPE: f32 = 0.2;
-/// The plane of the receiver is followed up to this slope against the light (87°): beyond, where light but grazes it, the plane says nothing
-/// about a neighbouring texel.
+/// The plane of the receiver is followed up to this slope against the light (87°): beyond, where light but
+/// grazes it, the plane says nothing about a neighbouring texel.
 pub const STEEPEST: f32 = 20.0;
-/// Share of a depth by which the two ways to it, from the camera and from the light, differ at most by rounding.
+/// Share of a depth by which the two ways to it, from the camera and from the light, differ at most by
+/// rounding.
 pub const DEPTH_ROUNDING: f32 = 4e-6;
 /// Step from one random tap to the next: inverse of the plastic number and its square (Roberts 2018).
 pub const TAP_STEP: Vec2 = Vec2::new(0.754_877_7, 0.569_840_3);
 
-/// How many texels the map of a light has, `side` a side; a side of the six squares is half as long, which leaves them one and a half times
-/// the texels of the others.
+/// How many texels the map of a light has, `side` a side; a side of the six squares is half as long, which
+/// leaves them one and a half times the texels of the others.
 pub(super) fn texel_count(light: &FrameLight, side: u32) -> usize {
     let (faces, side) = shape(light, side);
     faces * side as usize * side as usize
@@ -60,8 +64,8 @@ pub struct Face {
 /// How a square of a map sees the scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Lens {
-    /// From the plane at `low`, a corner of the map in the space of the face. The low sun sees a town as a strip: its texels need not be
-    /// square.
+    /// From the plane at `low`, a corner of the map in the space of the face. The low sun sees a town as a
+    /// strip: its texels need not be square.
     Parallel {
         /// Corner of the map, in the space of the face.
         low: Vec3,
@@ -184,8 +188,9 @@ impl Projection {
         inside.then_some(Projected { face, at, depth, texel })
     }
 
-    /// Mean of what `visibility` says of the texels around a receiver, each with the depth that it has there: percentage closer filtering.
-    /// `width`: of the box in texels, which weighs texels by how much of them it covers; 0 for the texel that the receiver is in.
+    /// Mean of what `visibility` says of the texels around a receiver, each with the depth that it has there:
+    /// percentage closer filtering. `width`: of the box in texels, which weighs texels by how much of them it
+    /// covers; 0 for the texel that the receiver is in.
     pub(super) fn filter(
         &self,
         stage: &Stage,
@@ -217,8 +222,8 @@ impl Projection {
         sum / weights
     }
 
-    /// Mean of what `visibility` says at `taps` random points in the box, evenly spread: the sequence R2 (Roberts 2018) from a random start.
-    /// The number of the tap is its first argument.
+    /// Mean of what `visibility` says at `taps` random points in the box, evenly spread: the sequence R2
+    /// (Roberts 2018) from a random start. The number of the tap is its first argument.
     pub(super) fn random_taps(
         &self,
         stage: &Stage,
@@ -238,8 +243,9 @@ impl Projection {
         sum.sum::<Vec3>() / taps as f32
     }
 
-    /// The texel at a point, the nearest one of the face, and the depth that counts as the receiver's there: where its plane meets the
-    /// texel's ray, less a bias. So a plane does not shadow itself, however large a texel is and however steep the plane.
+    /// The texel at a point, the nearest one of the face, and the depth that counts as the receiver's there:
+    /// where its plane meets the texel's ray, less a bias. So a plane does not shadow itself, however large a
+    /// texel is and however steep the plane.
     fn tap(&self, stage: &Stage, receiver: &Receiver, projected: &Projected, at: Vec2) -> (usize, f32) {
         let at = at.floor().clamp(Vec2::ZERO, Vec2::splat(self.side as f32 - 1.0));
         let middle = at + 0.5;
@@ -255,7 +261,8 @@ impl Projection {
         } else {
             projected.depth
         };
-        // A turn of the plane by a small angle moves its depth by 1 / cosine² as much, here as far as the steepest plane.
+        // A turn of the plane by a small angle moves its depth by 1 / cosine² as much, here as far as the
+        // steepest plane.
         let facet = FACET_SLOPE * offset / (cosine * cosine).max(1.0 / STEEPEST);
         (texel, depth - facet - receiver.lift(stage) - DEPTH_ROUNDING * projected.depth)
     }
@@ -275,8 +282,8 @@ impl Face {
             |[low, high], [other_low, other_high]| [low.min(other_low), high.max(other_high)],
         );
         let (low, high) = if low.x <= high.x { (low, high) } else { (Vec3::ZERO, Vec3::ONE) };
-        // A map of nothing has texels, too. Two texels more than needed, for the map is moved onto the grid of its texels and its border
-        // shall be empty.
+        // A map of nothing has texels, too. Two texels more than needed, for the map is moved onto the grid
+        // of its texels and its border shall be empty.
         let extent = (high - low).truncate().max(Vec2::splat(1e-4 * (high - low).max_element().max(1e-4)));
         let needed = extent / (side.max(3) - 2) as f32;
         let texel = needed.map(|needed| TEXEL_STEP.powf(needed.log(TEXEL_STEP).ceil()));

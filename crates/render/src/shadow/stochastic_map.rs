@@ -1,4 +1,5 @@
-//! Stochastic shadow maps (ST sections 3.2 and 3.6), coloured after McGuire and Enderton, *Colored Stochastic Shadow Maps*, 2011.
+//! Stochastic shadow maps (ST sections 3.2 and 3.6), coloured after McGuire and Enderton, *Colored Stochastic
+//! Shadow Maps*, 2011.
 
 use glam::{Vec2, Vec3};
 use sheer_core::{
@@ -114,8 +115,9 @@ impl Technique for StochasticMap {
 }
 
 impl StochasticMap {
-    /// Appends a texel: for each channel the depth of the first blocker that each sample keeps, then what the correction needs. A corrected
-    /// map keeps the opaque surface apart from the samples, as the paper says it has to.
+    /// Appends a texel: for each channel the depth of the first blocker that each sample keeps, then what the
+    /// correction needs. A corrected map keeps the opaque surface apart from the samples, as the paper says
+    /// it has to.
     fn draw(&self, view: &View<'_>, texel: usize, blockers: &Blockers, texels: &mut Vec<f32>) {
         let samples = self.samples as usize;
         let first = texels.len();
@@ -124,7 +126,8 @@ impl StochasticMap {
         for blocker in &blockers.transparent {
             let seed = mask::seed(texel, blocker.triangle, view.key);
             for channel in 0..view.channels {
-                // What a channel loses is its chance: the coverage times one less the tint (McGuire and Enderton).
+                // What a channel loses is its chance: the coverage times one less the tint (McGuire and
+                // Enderton).
                 let mut mask = self.sampling.mask(1.0 - blocker.through[channel], self.samples, seed);
                 while mask != 0 {
                     let depth = &mut texels[first + channel * samples + mask.trailing_zeros() as usize];
@@ -154,14 +157,14 @@ impl StochasticMap {
 struct Corrected<'a>(&'a [f32]);
 
 impl Corrected<'_> {
-    /// Depths of the opaque surface and of the last transparent one; for each channel the true total drop, and the factor from the estimate
-    /// to it.
+    /// Depths of the opaque surface and of the last transparent one; for each channel the true total drop,
+    /// and the factor from the estimate to it.
     fn stride(channels: usize) -> usize {
         2 + 2 * channels
     }
 
-    /// Corrects the share of samples that blocks a depth. Behind the last blocker the total is known, so that it is right even where no
-    /// sample has kept anything; behind an opaque surface there is no light.
+    /// Corrects the share of samples that blocks a depth. Behind the last blocker the total is known, so that
+    /// it is right even where no sample has kept anything; behind an opaque surface there is no light.
     fn blocked(&self, depth: f32, channel: usize, share: f32) -> f32 {
         let [opaque, last] = [self.0[0], self.0[1]];
         let [drop, factor] = [self.0[2 + 2 * channel], self.0[3 + 2 * channel]];
@@ -185,7 +188,8 @@ struct Samples {
 }
 
 impl Samples {
-    /// Visibility at a depth of a texel by the share of its samples that are not nearer to the light (ST Eq. 4): all of them, or one.
+    /// Visibility at a depth of a texel by the share of its samples that are not nearer to the light (ST Eq.
+    /// 4): all of them, or one.
     fn visibility(&self, texel: usize, depth: f32, one: Option<usize>) -> Vec3 {
         let samples = self.technique.samples as usize;
         let stride = self.technique.stride(self.channels);

@@ -83,8 +83,8 @@ pub(crate) struct Receiver {
 }
 
 impl Receiver {
-    /// How far to step off the surface so that rounding does not shadow it by itself: a share of the scene's size, and a few times the
-    /// rounding error of a 32-bit coordinate.
+    /// How far to step off the surface so that rounding does not shadow it by itself: a share of the scene's
+    /// size, and a few times the rounding error of a 32-bit coordinate.
     pub(super) fn lift(&self, stage: &Stage) -> f32 {
         stage.lift() + self.position.abs().max_element() * 4e-6
     }

@@ -12,11 +12,12 @@ use sheer_core::hash::Pcg32;
 
 use super::mask::{self, Sampling};
 
-/// Samples that share a texel, and so one mask a blocker: the paper's 8× MSAA. More samples are those of several texels, as percentage closer
-/// filtering gathers them.
+/// Samples that share a texel, and so one mask a blocker: the paper's 8× MSAA. More samples are those of
+/// several texels, as percentage closer filtering gathers them.
 const TEXEL_SAMPLES: u32 = 8;
 
-/// Opacities from which random blockers are drawn: thin enough that a dozen leave some light, thick enough to show steps.
+/// Opacities from which random blockers are drawn: thin enough that a dozen leave some light, thick enough to
+/// show steps.
 const ALPHAS: [f32; 2] = [0.05, 0.4];
 
 /// Blockers along a ray of light, by depth from 0 to 1.
@@ -139,7 +140,8 @@ mod tests {
             |samples, sampling, depth| moments(|seed| blockers.sample(samples, sampling, seed), depth).1;
         for depth in PROBES {
             let [few, more, many] = [8, 32, 256].map(|samples| spread(samples, Sampling::Stratified, depth));
-            // Texels are independent: four times the samples, a quarter of the variance. Its estimate from 4,000 draws is off by 2.3 %.
+            // Texels are independent: four times the samples, a quarter of the variance. Its estimate from
+            // 4,000 draws is off by 2.3 %.
             assert!(
                 (more * 4.0 / few - 1.0).abs() < 0.15 && (many * 32.0 / few - 1.0).abs() < 0.15,
                 "{depth}"

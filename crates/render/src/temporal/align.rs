@@ -76,7 +76,8 @@ mod tests {
             assert!((drawn - motion).abs().max_element() < 3.0);
             sum += drawn.as_dvec2();
         }
-        // Standard deviation of a two-point draw 3 apart is at most 1.5; 5 of them over the root of the count.
+        // Standard deviation of a two-point draw 3 apart is at most 1.5; 5 of them over the root of the
+        // count.
         let error = (sum / f64::from(draws) - motion.as_dvec2()).abs().max_element();
         assert!(error < 5.0 * 1.5 / f64::from(draws).sqrt(), "{error}");
     }

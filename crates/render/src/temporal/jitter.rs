@@ -2,8 +2,8 @@
 
 use glam::Vec2;
 
-/// Offset from the pixel centre, each coordinate in (-0.5, 0.5) pixels: Halton's sequence of bases 2 and 3, at an index
-/// from 1 on.
+/// Offset from the pixel centre, each coordinate in (-0.5, 0.5) pixels: Halton's sequence of bases 2 and 3,
+/// at an index from 1 on.
 pub(super) fn halton(index: u32) -> Vec2 {
     Vec2::new(radical_inverse(index, 2), radical_inverse(index, 3)) - 0.5
 }

@@ -1,5 +1,6 @@
-//! Adding frames up over time. One technique a file; to add one, write `temporal/<name>.rs` after the pattern of its
-//! neighbours and put its name into the table below: command line, lists, GPU and the tests that walk all follow.
+//! Adding frames up over time. One technique a file; to add one, write `temporal/<name>.rs` after the pattern
+//! of its neighbours and put its name into the table below: command line, lists, GPU and the tests that walk
+//! all follow.
 
 use std::{fmt, str::FromStr};
 
@@ -91,8 +92,8 @@ techniques! {
     taa::Taa,
 }
 
-/// How frames are added up (`-a`), with its parameters. Parse one from `name:key=value,key=value`; it prints with the keys
-/// that differ from their defaults.
+/// How frames are added up (`-a`), with its parameters. Parse one from `name:key=value,key=value`; it prints
+/// with the keys that differ from their defaults.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Antialiasing {
     kind: Kind,
@@ -138,7 +139,8 @@ pub fn jitter(antialiasing: Antialiasing, frame: u32) -> Vec2 {
     antialiasing.technique().jitter(frame)
 }
 
-/// What has been added up: what [`crate::Pipeline`] keeps from frame to frame, and what other backends are measured against.
+/// What has been added up: what [`crate::Pipeline`] keeps from frame to frame, and what other backends are
+/// measured against.
 #[derive(Clone, Debug)]
 pub struct History {
     antialiasing: Antialiasing,
@@ -167,7 +169,8 @@ impl History {
         &self.planes
     }
 
-    /// Takes in the next frame, of a method whose motion vectors are aligned like this ([`crate::Method::alignment`]).
+    /// Takes in the next frame, of a method whose motion vectors are aligned like this
+    /// ([`crate::Method::alignment`]).
     ///
     /// # Errors
     /// [`ImageError::Size`] if memory does not suffice.
@@ -210,7 +213,7 @@ mod tests {
     #[test]
     fn a_wrong_name_or_key_says_what_there_is() {
         let unknown = "fxaa".parse::<Antialiasing>().unwrap_err().to_string();
-        assert_eq!(unknown, "there is no anti-aliasing 'fxaa'; there are: none, accumulate, taa");
+        assert!(unknown.contains("'fxaa'; there are: none, accumulate, taa"), "{unknown}");
         let key = "none:weight=1".parse::<Antialiasing>().unwrap_err().to_string();
         assert!(key.contains("anti-aliasing 'none'") && key.contains("'weight'"), "{key}");
     }

@@ -1,5 +1,6 @@
-//! Temporal anti-aliasing after Salvi, *An Excursion in Temporal Supersampling*, GDC 2016: an exponential average of reprojected history,
-//! rectified by the mean and variance of the new frame's neighbourhood (STD section 2.1, Eq. 2).
+//! Temporal anti-aliasing after Salvi, *An Excursion in Temporal Supersampling*, GDC 2016: an exponential
+//! average of reprojected history, rectified by the mean and variance of the new frame's neighbourhood (STD
+//! section 2.1, Eq. 2).
 
 use glam::{Vec2, Vec3, Vec3A, Vec4};
 use sheer_core::{bibliography, parameter::Values};
@@ -32,8 +33,8 @@ pub(super) const INFO: AntialiasingInfo = AntialiasingInfo {
     ],
 };
 
-/// Samples before the jitter repeats: an exponential average of weight 0.1 forgets in about as many, and 16 is coprime to
-/// the 9 frames of the STD walk, so that every threshold meets every offset.
+/// Samples before the jitter repeats: an exponential average of weight 0.1 forgets in about as many, and 16
+/// is coprime to the 9 frames of the STD walk, so that every threshold meets every offset.
 const JITTER_PERIOD: u32 = 16;
 
 /// Weight of the new frame (STD Eq. 2).

@@ -33,7 +33,8 @@ pub(super) trait Technique: Sync {
     /// Offset of a frame's sample from the pixel centre, each coordinate in (-0.5, 0.5) pixels.
     fn jitter(&self, frame: u32) -> Vec2;
 
-    /// Turns a new frame into the picture so far. `history` is that picture after `count` earlier frames, at least one.
+    /// Turns a new frame into the picture so far. `history` is that picture after `count` earlier frames, at
+    /// least one.
     ///
     /// # Errors
     /// [`ImageError::Size`] if memory does not suffice.

@@ -1,4 +1,5 @@
-//! The family of compositing methods on fragments of our own making, in any order, and on scenes whose answer is known.
+//! The family of compositing methods on fragments of our own making, in any order, and on scenes whose answer
+//! is known.
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 use std::iter;
@@ -23,8 +24,8 @@ const DEPTH_RANGE: [f32; 2] = [1.0, 20.0];
 /// What sums and products of some dozen 32-bit terms may be off by.
 const ROUNDING: f32 = 2e-5;
 
-/// Every method whose fragments come in any order and whose answer is no matter of chance, with its defaults and with each
-/// word of its own choices.
+/// Every method whose fragments come in any order and whose answer is no matter of chance, with its defaults
+/// and with each word of its own choices.
 fn family() -> Vec<String> {
     let is_certain = |method: &Method| method.family() == Family::Unordered && !method.visit(IsRandom);
     let family: Vec<String> = variants().filter(is_certain).map(|method| method.to_string()).collect();
@@ -213,8 +214,8 @@ proptest! {
         }
     }
 
-    /// Nothing is dropped: the background is seen by the product of all transmittances, though places are too few. But for peeling, where
-    /// it is that of the layers drawn.
+    /// Nothing is dropped: the background is seen by the product of all transmittances, though places are too
+    /// few. But for peeling, where it is that of the layers drawn.
     #[test]
     fn the_background_is_exact_for_every_method_but_peeling(stack in stacks(0..=40)) {
         for method in &family() {
@@ -250,7 +251,8 @@ proptest! {
         prop_assert!(excess < ROUNDING && found.min_element() >= 0.0, "{excess}");
     }
 
-    /// Of k layers all but the last are the nearest fragments: the error is at most what is seen behind those of the colours there.
+    /// Of k layers all but the last are the nearest fragments: the error is at most what is seen behind those
+    /// of the colours there.
     #[test]
     fn an_overflow_errs_only_behind_the_nearest(stack in stacks(1..=40)) {
         let mut sorted = stack.clone();
@@ -325,8 +327,8 @@ fn shuffled_fragments_give_the_same_pixel_where_the_method_says_so() {
         let bound = match method.as_str() {
             // Sorted before anything is added up.
             method if method.starts_with("list") || method.starts_with("peel") => 0.0,
-            // The reconstruction multiplies the rounding of its moments by up to the inverse of their bias (5e-7), of which little is left
-            // where fragments are many.
+            // The reconstruction multiplies the rounding of its moments by up to the inverse of their bias
+            // (5e-7), of which little is left where fragments are many.
             method if method.starts_with("moments") => 5e-3,
             _ => ROUNDING,
         };
@@ -365,8 +367,8 @@ fn two_fragments_are_exact_for_all_but_means() {
         let eq7 = |z: f32| 10.0 / (1e-5 + (z / 5.0).powi(2) + (z / 200.0).powi(6));
         let expected = back / front * eq7(9.0) / eq7(2.0);
         assert!((ratio_of("weighted") / expected - 1.0).abs() < 1e-3, "{alphas:?}");
-        // A quarter of a fragment's own absorbance hides it: between both lie three quarters of the front's and one of the back's. That
-        // is the front's, and exact, where both are equal.
+        // A quarter of a fragment's own absorbance hides it: between both lie three quarters of the front's
+        // and one of the back's. That is the front's, and exact, where both are equal.
         for order in [4, 6, 8] {
             let expected = (1.0 - front).powf(0.75) * (1.0 - back).powf(0.25);
             let found = ratio_of(&format!("moments:order={order}"));
@@ -452,7 +454,8 @@ fn stacked_layers_come_within_the_bound_of_each_method() {
                 ("list", 0.0),
                 // The background for what lies behind the last layer: up to all of what is seen there.
                 ("peel:layers=4", beyond(4)),
-                // What lies behind the layers that keep their places may be mixed up, where it has several colours.
+                // What lies behind the layers that keep their places may be mixed up, where it has several
+                // colours.
                 ("mlab:k=4", if is_one_colour { 0.0 } else { beyond(3) }),
                 // One step holds it all in the worst case, which hides each layer by all others.
                 ("adaptive:nodes=4", if count <= 4 { 0.0 } else { opacity }),

@@ -101,7 +101,8 @@ fn a_list_of_unordered_fragments_gives_the_picture_of_ordered_ones() {
 
 #[test]
 fn a_list_of_spread_samples_is_the_mean_of_pictures_through_each_of_them() {
-    // Panels of one colour each: shading is once a pixel, edges are every sample's own. The size is such that edges lie within pixels.
+    // Panels of one colour each: shading is once a pixel, edges are every sample's own. The size is such that
+    // edges lie within pixels.
     let settings = small(47, 27);
     let scene = "calibration";
     let (spread, _) = play(scene, "list:samples=64", Antialiasing::NONE, 1, settings, 2);
@@ -125,8 +126,9 @@ fn stochastic_methods_shade_one_fragment_a_pixel_at_most() {
     }
 }
 
-/// Root mean square over pixels, channels and the last 18 frames of 90 by which an exponential average of weight 0.1 without any clipping
-/// misses the closed form; mean of squares over four seeds, as STD draws its maps by seed.
+/// Root mean square over pixels, channels and the last 18 frames of 90 by which an exponential average of
+/// weight 0.1 without any clipping misses the closed form; mean of squares over four seeds, as STD draws its
+/// maps by seed.
 fn averaging_error(method: &str, count: u32, alpha: f32) -> f32 {
     let scene = format!("layers:count={count},alpha={alpha},colours=red-green,background=1");
     let expected = layers_closed_form(count, alpha, LayerColours::RedGreen, 1.0);
@@ -163,8 +165,9 @@ fn layers_do_not_mask_one_another_under_a_joint_threshold() {
 
 #[test]
 fn a_joint_threshold_shows_each_layer_by_its_share() {
-    // 64 by 64 pixels hold the blue noise once: over a cycle of nine frames their thresholds are 36,864 equal steps of [0, 1), so that
-    // the mean over picture and cycle is off by less than a step or two for each layer.
+    // 64 by 64 pixels hold the blue noise once: over a cycle of nine frames their thresholds are 36,864 equal
+    // steps of [0, 1), so that the mean over picture and cycle is off by less than a step or two for each
+    // layer.
     for (count, alpha) in [(2, 0.45), (8, 0.2), (20, 0.1)] {
         let scene = format!("layers:count={count},alpha={alpha},colours=rainbow,background=0.25");
         let expected = layers_closed_form(count, alpha, LayerColours::Rainbow, 0.25);
@@ -257,7 +260,8 @@ fn a_hybrid_of_roulette_is_unbiased_in_every_pixel() {
     let expected = layers_closed_form(8, 0.2, LayerColours::Rainbow, 0.25);
     let scene = sheer_gallery::open(scene).unwrap().scene;
     let stage = Stage::new(scene, &CameraChoice::Default, Some(2)).unwrap();
-    // Sum over pixels of the squared z of their means, in standard deviations from its expectation; and the largest z.
+    // Sum over pixels of the squared z of their means, in standard deviations from its expectation; and the
+    // largest z.
     let deviation = |method: &str| {
         let mut pipeline = Pipeline::new(method.parse().unwrap(), Antialiasing::NONE, small(32, 18)).unwrap();
         let (mut sums, mut squares) = (vec![0.0; 32 * 18], 0.0);

@@ -101,7 +101,8 @@ fn points() -> impl Iterator<Item = Vec3> {
     (0..64).map(|at| Vec3::new((at % 8) as f32 * 0.13 - 0.46, 0.0, (at / 8) as f32 * 0.131 - 0.45))
 }
 
-/// Techniques whose answer is not random and, behind everything, exact; and deep rays. With the error that is left.
+/// Techniques whose answer is not random and, behind everything, exact; and deep rays. With the error that is
+/// left.
 const EXACT_BEHIND: [(&str, f32); 6] = [
     ("deep", 1e-5),
     ("deep-map:resolution=128,tolerance=0", 1e-4),
@@ -193,12 +194,13 @@ fn between_layers_each_technique_keeps_to_its_bound() {
         ("deep", 1e-5),
         ("deep-map:resolution=64,tolerance=0", 1e-4),
         ("deep-map:resolution=64,tolerance=0.02", 0.0201),
-        // Three spaces between four layers: with 3 of its own each blocker but the last fills one, and half of it counts in the middle.
+        // Three spaces between four layers: with 3 of its own each blocker but the last fills one, and half
+        // of it counts in the middle.
         ("opacity-map:resolution=64,layers=3", alpha * visibility(1)),
         // Fine layers tell the blockers apart.
         ("opacity-map:resolution=64,layers=64", 1e-4),
-        // Ringing: steps of 0.36 in optical depth; each of four is off by at most 1 / (π (terms + 1) |sin π x|) twice, at a ninth of the
-        // period or more. The unit tests hold the series to the sharper bound.
+        // Ringing: steps of 0.36 in optical depth; each of four is off by at most 1 / (π (terms + 1) |sin π
+        // x|) twice, at a ninth of the period or more. The unit tests hold the series to the sharper bound.
         ("fourier:resolution=64,terms=7", 0.2),
         ("fourier:resolution=64,terms=40", 0.06),
     ] {
@@ -256,7 +258,8 @@ fn a_lit_plane_does_not_shadow_itself() {
         for technique in all() {
             let least = least_on_the_bare_floor(&stage, &technique, Vec3::Y);
             assert!(least >= 0.99, "{technique}, {kind:?} aside by {aside}: {least}");
-            // Negative control: a bias that takes the floor to face the light finds acne wherever a slope needs more.
+            // Negative control: a bias that takes the floor to face the light finds acne wherever a slope
+            // needs more.
             if technique != "deep" && aside > 1.0 {
                 let to_light = -stage.frame().lights()[0].direction;
                 let least = least_on_the_bare_floor(&stage, &technique, to_light);

@@ -79,7 +79,8 @@ struct Piece {
     rgb: Vec3,
 }
 
-/// Fills a pixel with pieces in the order given: its light, and what is left of the background at each sample.
+/// Fills a pixel with pieces in the order given: its light, and what is left of the background at each
+/// sample.
 struct Fill<'a> {
     site: PixelSite,
     pieces: &'a [Piece],
@@ -160,7 +161,8 @@ fn the_order_of_fragments_does_not_show() {
                     pieces.swap(last, random.below(last as u32 + 1) as usize);
                 }
                 let (shuffled, seen_shuffled) = fill(&method, frame, &pieces);
-                // Winners are compared exactly, so that the basic estimator has the same bits; sums and products round.
+                // Winners are compared exactly, so that the basic estimator has the same bits; sums and
+                // products round.
                 let rounding = if keys.ends_with("basic,correct=off") { 0.0 } else { 1e-5 };
                 assert!((rgb - shuffled).abs().max_element() <= rounding, "{method}: {rgb} {shuffled}");
                 let differs = seen.iter().zip(&seen_shuffled).any(|(a, b)| (a - b).abs() > rounding);
@@ -315,7 +317,8 @@ fn sixty_four_samples_of_corrected_depth_come_near_the_exact_picture() {
     assert!(errors[2] < 0.01, "{errors:?}");
 }
 
-/// Per block of a picture and channel, the z of the mean over many seeds, from the variance between them; the largest.
+/// Per block of a picture and channel, the z of the mean over many seeds, from the variance between them; the
+/// largest.
 fn worst_block(stage: &mut Stage, method: &str, reference: &str) -> f64 {
     const SIZE: [u32; 2] = [32, 18];
     const BLOCK_PX: u32 = 6;
@@ -348,7 +351,8 @@ fn worst_block(stage: &mut Stage, method: &str, reference: &str) -> f64 {
 
 #[test]
 fn without_correction_real_scenes_are_right_on_average() {
-    // 54 blocks and channels, and Student's distribution with 159 degrees: beyond 4.5 once in two thousand such pictures.
+    // 54 blocks and channels, and Student's distribution with 159 degrees: beyond 4.5 once in two thousand
+    // such pictures.
     let mut stage = stage("smoke-square:particles=400", None, 2);
     for keys in [
         "estimator=basic",
@@ -438,7 +442,8 @@ fn a_bilateral_filter_takes_noise_away() {
         pairs.map(|(a, b)| (a.rgb - b.rgb).length_squared()).sum::<f32>().sqrt()
     };
     let [noisy, filtered] = ["none", "bilateral"].map(&mut error);
-    // Total alpha is the same everywhere: a plain Gaussian, which leaves 0.28 of the deviation of independent pixels, more at the border.
+    // Total alpha is the same everywhere: a plain Gaussian, which leaves 0.28 of the deviation of independent
+    // pixels, more at the border.
     assert!(filtered < 0.4 * noisy && filtered > 0.2 * noisy, "{filtered} of {noisy}");
 }
 

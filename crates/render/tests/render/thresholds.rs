@@ -1,4 +1,5 @@
-//! What the threshold methods promise of their thresholds: spread, stratification, and how stacked layers mask one another.
+//! What the threshold methods promise of their thresholds: spread, stratification, and how stacked layers
+//! mask one another.
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 use glam::Vec3;
@@ -66,7 +67,8 @@ fn sites(side: u32, frames: std::ops::Range<u32>, instance: u32) -> impl Iterato
     })
 }
 
-/// Share of sites at which the second of two layers of opacity `alpha` is seen, as mean and standard error over pairs of objects.
+/// Share of sites at which the second of two layers of opacity `alpha` is seen, as mean and standard error
+/// over pairs of objects.
 fn second_layer_share(method: &str, alpha: f32, frames: std::ops::Range<u32>) -> (f64, f64) {
     const PAIR_COUNT: u32 = 400;
     let method = parse(method);
@@ -92,7 +94,8 @@ fn dtaa_masks_the_second_of_two_equal_layers_and_methods_with_maps_of_their_own_
         let free = f64::from(alpha * (1.0 - alpha));
         for method in methods().filter(|method| method.info().id != "dtaa") {
             let (mean, _) = second_layer_share(&method.to_string(), alpha, 0..3);
-            // Pairs of objects draw from few maps with few thresholds each: not quite as if they were independent.
+            // Pairs of objects draw from few maps with few thresholds each: not quite as if they were
+            // independent.
             assert!((mean - free).abs() < 0.03, "{method} at alpha {alpha}: {mean} of {free}");
         }
     }
@@ -133,7 +136,8 @@ fn maps_drawn_anew_free_any_two_objects_of_masking_one_another_for_good() {
     assert!((mean - 0.25).abs() < 0.03, "{mean}");
 }
 
-/// Standard deviations by which the chi-square statistic of 64 equally likely bins exceeds its mean, over objects, pixels and frames.
+/// Standard deviations by which the chi-square statistic of 64 equally likely bins exceeds its mean, over
+/// objects, pixels and frames.
 fn chi_square_z(value: impl Fn(&Site) -> f32) -> f64 {
     let mut counts = [0_u32; 64];
     // Far from one another: neighbours share cells and strata.
@@ -190,7 +194,8 @@ fn hashed_layers_converge_to_the_closed_form() {
     let error = (chance * (1.0 - chance) / f64::from(FRAMES)).sqrt();
     let squares: f64 = colours.iter().map(|colour| ((f64::from(colour[0]) - chance) / error).powi(2)).sum();
     let mean = colours.iter().map(|colour| f64::from(colour[0])).sum::<f64>() / colours.len() as f64;
-    // Up to four pixels share a cell, so the mean over pixels varies at most twice as much as of as many free ones.
+    // Up to four pixels share a cell, so the mean over pixels varies at most twice as much as of as many free
+    // ones.
     let z = (mean - chance) / (error / (colours.len() as f64).sqrt());
     assert!(z.abs() < 8.0, "the mean over all pixels: z = {z}");
     assert!((squares / colours.len() as f64 - 1.0).abs() < 0.3, "squared z a pixel: {squares}");

@@ -1,15 +1,18 @@
-//! The truncated Hamburger moment problem: how much of a distribution lies in front of a depth, if only its first moments are known.
+//! The truncated Hamburger moment problem: how much of a distribution lies in front of a depth, if only its
+//! first moments are known.
 //!
-//! Among all distributions with these moments there is one that has as much as possible at the depth asked for, `z`. Its other points are
-//! the zeros of `K(z, ·)`, where `K(x, y) = v(x)ᵀ B⁻¹ v(y)` with `v(x) = (1, x, x², …)` and `B` the Hankel matrix of the moments, and each
-//! point `x` has the mass `1 / K(x, x)` (Peters and Klein 2015, *Moment Shadow Mapping*, section 4; the form by masses is that of Gaussian
-//! quadrature). What lies in front of `z` is sharply bounded by its mass in front without and with that at `z` itself.
+//! Among all distributions with these moments there is one that has as much as possible at the depth asked
+//! for, `z`. Its other points are the zeros of `K(z, ·)`, where `K(x, y) = v(x)ᵀ B⁻¹ v(y)` with `v(x) = (1,
+//! x, x², …)` and `B` the Hankel matrix of the moments, and each point `x` has the mass `1 / K(x, x)` (Peters
+//! and Klein 2015, *Moment Shadow Mapping*, section 4; the form by masses is that of Gaussian quadrature).
+//! What lies in front of `z` is sharply bounded by its mass in front without and with that at `z` itself.
 
 /// The most moments in use.
 pub(super) const MOST_MOMENTS: usize = 8;
 /// Rows of the Hankel matrix of the most moments.
 const MOST_ROWS: usize = MOST_MOMENTS / 2 + 1;
-/// Rounding of sums in 32 bits may leave no pivot. One far below the bias of the moments, 5e-7 at least, says that all lies at one depth.
+/// Rounding of sums in 32 bits may leave no pivot. One far below the bias of the moments, 5e-7 at least, says
+/// that all lies at one depth.
 const LEAST_PIVOT: f64 = 1e-10;
 
 /// Moments of a distribution of mass 1, factorised.
@@ -117,7 +120,8 @@ fn real_roots(coefficients: &[f64], roots: &mut Roots) {
         [constant, slope] => roots.push(-constant / slope),
         [c, b, a] => quadratic_roots(a, b, c, roots),
         _ => {
-            // Between two neighbouring extrema there is one root at most, as there is beyond the outermost ones.
+            // Between two neighbouring extrema there is one root at most, as there is beyond the outermost
+            // ones.
             let mut derivative = [0.0; MOST_ROWS];
             for (index, &coefficient) in coefficients.iter().enumerate().skip(1) {
                 derivative[index - 1] = index as f64 * coefficient;
@@ -141,7 +145,8 @@ fn real_roots(coefficients: &[f64], roots: &mut Roots) {
     }
 }
 
-/// Two arguments, going up or down from one, between which the polynomial changes its sign. Most roots are within a unit, so it begins small.
+/// Two arguments, going up or down from one, between which the polynomial changes its sign. Most roots are
+/// within a unit, so it begins small.
 fn change_beyond(coefficients: &[f64], from: f64, direction: f64) -> Option<[f64; 2]> {
     let is_negative = |x| value_and_slope(coefficients, x).0 < 0.0;
     let begins_negative = is_negative(from);

@@ -77,7 +77,8 @@ impl Masks {
         self.kind == Kind::LaineKarras
     }
 
-    /// The mask of a fragment in one of the rounds. `unhidden` are the samples where nothing that came before is in front of it.
+    /// The mask of a fragment in one of the rounds. `unhidden` are the samples where nothing that came before
+    /// is in front of it.
     pub(super) fn mask(self, site: &PixelSite, fragment: &Fragment<'_>, round: u32, unhidden: u64) -> u64 {
         let surface = self.surface(site, fragment);
         match self.kind {
@@ -102,8 +103,8 @@ impl Masks {
         }
     }
 
-    /// A round's part of a subset over the samples of all rounds (ST footnotes 3 and 4): the same for each, and one more for as many, chosen
-    /// at random, as are left over.
+    /// A round's part of a subset over the samples of all rounds (ST footnotes 3 and 4): the same for each,
+    /// and one more for as many, chosen at random, as are left over.
     fn size_in_round(self, size: u32, round: u32, bits: u32) -> u32 {
         let rounds_with_more = mask_table(self.rounds).pick(size % self.rounds, bits);
         size / self.rounds + (rounds_with_more >> round & 1) as u32
@@ -121,12 +122,15 @@ impl Masks {
         pcg3d([surface, frame, site.seed])[0]
     }
 
-    /// Laine and Karras 2011: a sample is covered if its threshold is below alpha. Thresholds are stratified over the samples of the pixel, of
-    /// its rounds, and of the pixels around it, in this order along one curve.
+    /// Laine and Karras 2011: a sample is covered if its threshold is below alpha. Thresholds are stratified
+    /// over the samples of the pixel, of its rounds, and of the pixels around it, in this order along one
+    /// curve.
     ///
-    /// Samples in which the fragment is hidden anyway are passed over, so that what is left is stratified among itself: layer upon layer if
-    /// they come front to back. Whether one is covered still has the probability of alpha whatever came before, so that no order biases the
-    /// mean. Deviations: samples follow one another by their distance from the pixel centre, not along the curve; the surface's number is hashed.
+    /// Samples in which the fragment is hidden anyway are passed over, so that what is left is stratified
+    /// among itself: layer upon layer if they come front to back. Whether one is covered still has the
+    /// probability of alpha whatever came before, so that no order biases the mean. Deviations: samples
+    /// follow one another by their distance from the pixel centre, not along the curve; the surface's number
+    /// is hashed.
     fn laine_karras(self, site: &PixelSite, surface: u32, alpha: f32, round: u32, unhidden: u64) -> u64 {
         let per_pixel = (self.samples * self.rounds).next_power_of_two();
         let tile = site.pixel.map(|coordinate| coordinate / CURVE_SIDE);
@@ -146,7 +150,8 @@ fn in_pixel(site: &PixelSite, surface: u32) -> [u32; 4] {
     pcg4d([x | y << 16, surface, site.seed, 0])
 }
 
-/// ξ from blue noise, for each surface from another part of it: so that neighbours complement one another and surfaces stay uncorrelated.
+/// ξ from blue noise, for each surface from another part of it: so that neighbours complement one another and
+/// surfaces stay uncorrelated.
 fn tiled_xi(site: &PixelSite, surface: u32) -> u32 {
     let [x, y] = pcg2d([surface, site.seed]);
     let [column, row] = site.pixel;

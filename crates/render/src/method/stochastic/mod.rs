@@ -1,7 +1,8 @@
 //! Stochastic transparency (ST): each fragment covers a random subset of a pixel's samples.
 //!
-//! Enderton, Sintorn, Shirley and Luebke, *Stochastic Transparency*, IEEE TVCG 17 (8), 2011: sampling (section 3.1), alpha correction (3.3),
-//! the depth-based estimator (3.4), spatial anti-aliasing with its compositing (3.5), seeds, adaptive passes and post filter (6).
+//! Enderton, Sintorn, Shirley and Luebke, *Stochastic Transparency*, IEEE TVCG 17 (8), 2011: sampling
+//! (section 3.1), alpha correction (3.3), the depth-based estimator (3.4), spatial anti-aliasing with its
+//! compositing (3.5), seeds, adaptive passes and post filter (6).
 
 use std::ops::ControlFlow;
 
@@ -132,10 +133,11 @@ pub const INFO: MethodInfo = MethodInfo {
     tables: &[],
 };
 
-/// Rounds before adaptive passes may end: fewer agree by chance too often, and such a pixel would keep its error.
+/// Rounds before adaptive passes may end: fewer agree by chance too often, and such a pixel would keep its
+/// error.
 const LEAST_ROUNDS: u32 = 4;
-/// ST section 6 leaves the filter's size open. Noise is independent from pixel to pixel, so a few neighbours do; total alpha has no noise, so
-/// steps as small as this are edges.
+/// ST section 6 leaves the filter's size open. Noise is independent from pixel to pixel, so a few neighbours
+/// do; total alpha has no noise, so steps as small as this are edges.
 const FILTER: LayerFilter = LayerFilter { radius_px: 2, sigma_px: 1.0, sigma_alpha: 0.05 };
 
 /// Stochastic transparency with one of its estimators over a number of samples.
@@ -204,15 +206,18 @@ impl Stochastic {
         }
     }
 
-    /// The samples that a fragment wins, for all steps with masks. `seen` are those that hide it by nothing yet.
+    /// The samples that a fragment wins, for all steps with masks. `seen` are those that hide it by nothing
+    /// yet.
     fn winning(&self, pixel: &Pixel, round: u32, fragment: &Fragment<'_>) -> u64 {
         let seen = pixel.seen(fragment);
-        // Samples that it does not cover count as seen: so that triangles which share the samples of a pixel share the strata, too.
+        // Samples that it does not cover count as seen: so that triangles which share the samples of a pixel
+        // share the strata, too.
         let unhidden = seen | !fragment.coverage;
         seen & self.masks.mask(&pixel.site, fragment, round, unhidden)
     }
 
-    /// Colour of the transparent layer, premultiplied, from sums over samples and rounds: A, B, D or U of ST section 4.
+    /// Colour of the transparent layer, premultiplied, from sums over samples and rounds: A, B, D or U of ST
+    /// section 4.
     fn estimate(&self, pixel: &Pixel, sums: Sums, rounds: u32) -> Vec3 {
         if !self.is_corrected {
             return sums.rgb / (rounds * self.samples.count).max(1) as f32;

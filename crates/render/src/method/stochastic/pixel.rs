@@ -9,7 +9,8 @@ const MOST: usize = MOST_SAMPLES as usize;
 /// The sort key of an empty sample: behind every fragment.
 const NOTHING: (f32, u32) = (f32::INFINITY, u32::MAX);
 
-/// Sums of colours, and the same sums with all colours 1 (ST section 4: F(B) and F(B₁), F(U) and F(U₁), times the number of samples).
+/// Sums of colours, and the same sums with all colours 1 (ST section 4: F(B) and F(B₁), F(U) and F(U₁), times
+/// the number of samples).
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Sums {
     pub(super) rgb: Vec3,
@@ -95,7 +96,8 @@ impl Pixel {
         self.where_nearest(fragment, |key, nearest| key < nearest)
     }
 
-    /// The number of covered samples in which the fragment is not hidden: it is itself the nearest, or nothing is in front.
+    /// The number of covered samples in which the fragment is not hidden: it is itself the nearest, or
+    /// nothing is in front.
     pub(super) fn unhidden_count(&self, fragment: &Fragment<'_>) -> u32 {
         self.where_nearest(fragment, |key, nearest| key <= nearest).count_ones()
     }
