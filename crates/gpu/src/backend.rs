@@ -6,6 +6,7 @@ use sheer_image::Planes;
 use sheer_render::{
     Antialiasing, Counters, Method, Moment, Settings, StepTime, Timings,
     backend::{Backend, StepClock},
+    contract::Raster,
 };
 use sheer_scene::{CameraChoice, Scene};
 
@@ -13,6 +14,7 @@ use crate::{
     GpuError,
     device::Gpu,
     pipeline::{GpuPathChoice, GpuPipeline},
+    raster::{multisample::Sampling, plan::raster_of},
     stage::GpuStage,
 };
 
@@ -72,6 +74,16 @@ impl Backend for GpuBackend {
 
     fn is_unsupported(&self, error: &GpuError) -> bool {
         matches!(error, GpuError::Unsupported { .. })
+    }
+
+    /// Samples of stochastic transparency are drawn in rounds of as many as the hardware has.
+    fn twin(&self, method: &Method) -> Result<Method, GpuError> {
+        match raster_of(method)? {
+            Some(Raster::Multisample(multisample)) => {
+                Ok(Sampling::new(multisample, self.gpu.report())?.twin(method))
+            }
+            _ => Ok(method.clone()),
+        }
     }
 
     fn render(

@@ -1,4 +1,5 @@
-//! What a method under an anti-aliasing shows of ten opacities, and the correction that sets it right (STD section 3.2.1).
+//! What a method under an anti-aliasing shows of ten opacities, and the correction that sets it right (STD
+//! section 3.2.1).
 
 use sheer_core::coverage::Correction;
 use sheer_image::Planes;
@@ -12,7 +13,8 @@ use crate::{
 
 /// Columns of the scene `calibration`.
 pub const LEVELS: usize = 10;
-/// Kept clear around each column and half: jitter and the neighbourhood of anti-aliasing reach across the edges.
+/// Kept clear around each column and half: jitter and the neighbourhood of anti-aliasing reach across the
+/// edges.
 const MARGIN_PX: f64 = 3.0;
 
 /// What a method under an anti-aliasing shows of some opacities, and the correction that sets it right.
@@ -105,7 +107,8 @@ impl Calibration {
     }
 }
 
-/// The ten opacities that a pipeline shows of the scene `calibration`, given the panels' [`areas`]: means over the last half of the frames.
+/// The ten opacities that a pipeline shows of the scene `calibration`, given the panels' [`areas`]: means
+/// over the last half of the frames.
 ///
 /// # Errors
 /// What the backend says.

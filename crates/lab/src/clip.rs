@@ -96,7 +96,8 @@ impl Quality {
 }
 
 impl Clip {
-    /// Renders all methods, the reference among them, frame by frame, and holds each against the reference; one for each method, in order.
+    /// Renders all methods, the reference among them, frame by frame, and holds each against the reference;
+    /// one for each method, in order.
     ///
     /// # Errors
     /// What the backend says; [`LabError::Misuse`] if the reference is not among the methods.

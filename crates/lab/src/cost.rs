@@ -7,8 +7,9 @@ use crate::{
     play::{Event, pipelines, play},
 };
 
-/// The cost of each frame under each method, all in turn at each frame. `warms_up`: the first frame is rendered once more before, so that
-/// tables are built, memory is touched and the processor has left its sleep.
+/// The cost of each frame under each method, all in turn at each frame. `warms_up`: the first frame is
+/// rendered once more before, so that tables are built, memory is touched and the processor has left its
+/// sleep.
 ///
 /// # Errors
 /// What the backend says.

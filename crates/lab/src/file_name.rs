@@ -1,6 +1,7 @@
 //! Names for files.
 
-/// Letters, digits, dots and underscores of a text, which no shell or file system minds; runs of anything else become one dash.
+/// Letters, digits, dots and underscores of a text, which no shell or file system minds; runs of anything
+/// else become one dash.
 #[must_use]
 pub fn file_name_from(text: &str) -> String {
     let keep = |c: char| c.is_ascii_alphanumeric() || c == '.' || c == '_';

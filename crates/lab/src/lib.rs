@@ -1,7 +1,9 @@
-//! The laboratory: plays clips, compares methods, verifies what papers and methods promise, makes the papers' experiments again, calibrates.
+//! The laboratory: plays clips, compares methods, verifies what papers and methods promise, makes the papers'
+//! experiments again, calibrates.
 //!
-//! What is measured comes out as plain data: numbers, tables, plots, pictures. How they are written, and which backend renders, is up to
-//! the program: everything here works on any [`Backend`](sheer_render::Backend), but for the promises of [`verify`], which are the CPU's.
+//! What is measured comes out as plain data: numbers, tables, plots, pictures. How they are written, and
+//! which backend renders, is up to the program: everything here works on any
+//! [`Backend`](sheer_render::Backend), but for the promises of [`verify`], which are the CPU's.
 //!
 //! ```
 //! use sheer_lab::{Clip, Silent, with_reference};
@@ -21,6 +23,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+pub mod agreement;
 pub mod calibrate;
 mod clip;
 mod cost;

@@ -5,7 +5,8 @@ use sheer_render::{Antialiasing, Method};
 
 use crate::figures::{Column, Figures, Name};
 
-/// What came of a method in a clip. Qualities are against the reference, means over the last half of the frames, when the history has settled.
+/// What came of a method in a clip. Qualities are against the reference, means over the last half of the
+/// frames, when the history has settled.
 #[derive(Clone, Debug)]
 pub struct Measured {
     /// With all its parameters.
@@ -24,9 +25,11 @@ pub struct Measured {
     pub ssim: f64,
     /// Peak signal-to-noise ratio of the displayed picture, decibels; none where it equals the reference.
     pub psnr_db: Option<f64>,
-    /// Of the differences of successive displayed frames; none where they equal those of the reference, or for one frame.
+    /// Of the differences of successive displayed frames; none where they equal those of the reference, or
+    /// for one frame.
     pub tpsnr_db: Option<f64>,
-    /// ColorVideoVDP of the displayed clip in just-objectionable differences, 10: no visible one; where frames were kept.
+    /// ColorVideoVDP of the displayed clip in just-objectionable differences, 10: no visible one; where
+    /// frames were kept.
     pub vdp_jod: Option<f64>,
     /// FLIP of the displayed picture; 0: equal.
     pub flip: f64,
@@ -46,7 +49,8 @@ pub struct Measured {
     pub merged_per_pixel: f64,
     /// The last frame as a display shows it: sRGB, straight alpha.
     pub picture: Image<[u8; 4]>,
-    /// Where its error is, in false colours up to [`ERROR_FULL_SCALE`](crate::ERROR_FULL_SCALE); the reference has none.
+    /// Where its error is, in false colours up to [`ERROR_FULL_SCALE`](crate::ERROR_FULL_SCALE); the
+    /// reference has none.
     pub error_map: Option<Image<[u8; 4]>>,
 }
 

@@ -63,8 +63,8 @@ pub enum Event<'p, B: Backend> {
     },
 }
 
-/// Renders the frames of a timeline, all pipelines in turn at each of them, so that a change in the machine's speed meets all and no clip
-/// has to be kept. `watch` is called after every picture and after every frame.
+/// Renders the frames of a timeline, all pipelines in turn at each of them, so that a change in the machine's
+/// speed meets all and no clip has to be kept. `watch` is called after every picture and after every frame.
 ///
 /// # Errors
 /// What the backend or `watch` says.

@@ -76,6 +76,13 @@ pub trait Backend {
     /// went wrong.
     fn is_unsupported(&self, error: &Self::Error) -> bool;
 
+    /// The method by which the CPU draws the same numbers: itself, but where the backend's samples come in
+    /// rounds of its own.
+    ///
+    /// # Errors
+    /// The backend does not run the method.
+    fn twin(&self, method: &Method) -> Result<Method, Self::Error>;
+
     /// Renders frame `index`, counted from the run's first, of a stage that has been advanced to it, and adds
     /// it to the history.
     ///
@@ -168,6 +175,10 @@ impl Backend for Cpu {
     /// The processor runs every method.
     fn is_unsupported(&self, _: &RenderError) -> bool {
         false
+    }
+
+    fn twin(&self, method: &Method) -> Result<Method, RenderError> {
+        Ok(method.clone())
     }
 
     fn render(

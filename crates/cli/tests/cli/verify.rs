@@ -41,15 +41,22 @@ fn a_gpu_is_held_against_the_processor() {
     let report = json(&succeed(folder.path(), arguments).stdout);
     let checks = report["checks"].as_array().unwrap();
     let names: Vec<_> = checks.iter().map(|check| check["name"].as_str().unwrap()).collect();
-    // Methods in the scene, and a closed form for the one whose samples are the hardware's.
-    assert_eq!(checks.len(), 3, "{names:?}");
+    // Methods in the scene: one frame, its surfaces, a few frames added up; and for the one whose samples are the
+    // hardware's, layers that it covers whole and their closed form.
+    assert_eq!(checks.len(), 8, "{names:?}");
     assert!(names[0].contains("layers:count=3") && names[0].contains("std by gpu:raster"), "{names:?}");
-    assert!(names[2].contains("transmittance") && checks[2]["z"].is_number(), "{checks:?}");
+    assert!(names[1].contains("motion") && names[2].contains("taa"), "{names:?}");
+    assert!(names[7].contains("transmittance") && checks[7]["z"].is_number(), "{checks:?}");
     assert!(checks.iter().all(|check| check["pass"] == true && check["measured"].is_number()), "{checks:?}");
 
     let refused = sheer(folder.path(), "verify layers -m weighted --backend gpu:ray");
     assert_eq!(refused.code, Some(1), "{refused:?}");
     assert!(refused.stderr.contains("gpu:raster"), "{refused:?}");
+    // What was asked for is tested or refused, never something else in its place.
+    let arguments = "verify layers:count=1 -m stochastic:filter=bilateral --backend gpu:raster";
+    let refused = sheer(folder.path(), arguments);
+    assert_eq!(refused.code, Some(1), "{refused:?}");
+    assert!(refused.stderr.contains("filter=none"), "{refused:?}");
 }
 
 #[test]

@@ -11,7 +11,10 @@
 //!
 //! Deviations from the CPU: a fragment has one depth for all samples, and of two at exactly the same depth neither hides the other.
 
-use sheer_render::contract::{Multisample, SampleContent};
+use sheer_render::{
+    Method,
+    contract::{Multisample, SampleContent},
+};
 use wgpu::{
     BindGroupEntry, BindGroupLayoutEntry, BufferBindingType, BufferUsages, CompareFunction, ShaderStages,
     TextureFormat, TextureSampleType, TextureUsages,
@@ -95,6 +98,17 @@ impl Sampling {
     /// Whether samples keep colours, so that no further pass adds up the light of all fragments.
     fn keeps_colour(self) -> bool {
         self.keeps == SampleContent::Colour
+    }
+
+    /// The method with which the CPU draws the same masks.
+    pub(crate) fn twin(self, method: &Method) -> Method {
+        let Self { samples, rounds, .. } = self;
+        let others =
+            method.parameters().into_iter().filter(|known| !["samples", "passes"].contains(&known.key));
+        let others = others.map(|known| format!(",{}={}", known.key, method.value(known.key)));
+        let others = others.collect::<String>();
+        let text = format!("{}:samples={samples},passes={rounds}{others}", method.info().id);
+        text.parse().expect("keys and values are those of the method")
     }
 
     /// Winners alone have no pass after the first that could tell which of all fragments is the furthest: this one does both.

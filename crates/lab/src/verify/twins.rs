@@ -1,24 +1,24 @@
-//! A GPU held against the CPU: the same fragments in the same pixels, in the same colours.
+//! A backend held against the CPU: the same fragments in the same pixels, in the same colours, alone and
+//! added up over time.
 //!
-//! Both decide by the same integers and the same arithmetic, so that one frame tells. Where they may differ: a hardware's edges of triangles lie
-//! between other pixels, its blending units add in half floats, its roots and powers round in their own way.
+//! What may differ and why is said by [`Tolerance`]. A comparison that fails stays a failure, also where the
+//! backend says that its memory was too small for the scene: the user is told so.
 
 use std::sync::Arc;
 
 use sheer_image::Planes;
-use sheer_metrics::{
-    FragmentDifference,
-    statistics::{Moments, z_score},
-};
+use sheer_metrics::statistics::{Moments, z_score};
 use sheer_render::{
-    Antialiasing, Backend, Counters, Method, Settings, Stage,
+    Antialiasing, Backend, Clock, Counters, Method, Settings, Stage,
     backend::Cpu,
-    method::{Family, METHODS, hashed, kbuffer, stochastic},
+    method::{METHODS, kbuffer, stochastic},
 };
 use sheer_scene::{CameraChoice, Scene};
 
 use crate::{
-    LabError, Progress, Result, picture,
+    LabError, Progress, Result,
+    agreement::{Disagreement, Tolerance},
+    picture,
     verify::check::{Check, Value},
 };
 
@@ -28,23 +28,21 @@ const SIZE: [u32; 2] = [256, 144];
 const SCENES: [&str; 3] = ["layers:count=6,alpha=0.3,colours=rainbow", "pane", "smoke-square:particles=200"];
 /// Beside all methods by their names.
 const VARIANTS: [&str; 2] = ["std:hybrid=0.5,layers=3", "baseline:trace=continuation"];
-/// Share of the pixels that may show the same fragment in another colour: where rays of light pass the edge of what casts a shadow.
-const COLOUR_SHARE: f64 = 0.002;
-/// The same of what is made of all fragments of a pixel, each of which may be in such a place or have its edge there.
-const COLOUR_SHARE_COMPOSITED: f64 = 0.005;
-/// Share of the pixels inside triangles where a logarithm of another last bit may draw another threshold.
-const INSIDE_SHARE_HASHED: f64 = 0.001;
-/// Hardware rounds the corners of triangles to 1/256 of a pixel, and the projection rounds before that.
-const EDGE_PX: f32 = 1.0 / 64.0;
-/// Accuracy of half floats, 2⁻¹¹, twice.
-const COLOUR_BOUND: f32 = 1.0 / 1024.0;
-/// Half floats round sums, weights and products by 2⁻¹² a fragment; up to 32 of them, once each.
-const COLOUR_BOUND_COMPOSITED: f32 = 1.0 / 128.0;
+/// Frames that anti-aliasing adds up: the second has a history to fetch, the third one that was clipped.
+const TAA_FRAMES: u32 = 3;
+/// Share of pixels whose colour may differ then. A pixel that shows another fragment in one of the frames
+/// moves the limits that history is clipped to for all pixels around it, 7×7 where transparent ones are.
+const TAA_SHARE: f64 = 0.05;
+/// Fragments of a pixel that have no place, beyond those that the method leaves without one, from which on a
+/// warning says so.
+const OVERFLOW_SHARE: f64 = 0.002;
 
-/// Layers of [`transmittance`].
+/// Layers that cover every pixel whole: where samples lie makes no difference.
 const LAYERS: (u32, f32) = (4, 0.3);
-/// Frames of it.
-const FRAMES: u32 = 4;
+/// Pictures of them, each of a seed of its own.
+const LAYER_FRAMES: u32 = 4;
+/// Half floats round sums and products by 2⁻¹² each, of a few dozen.
+const HALF_ROUNDING: f64 = 1.0 / 4096.0;
 
 /// What a backend is held against the CPU with.
 #[derive(Clone, Debug, Default)]
@@ -59,7 +57,8 @@ pub struct Twins {
     pub threads: Option<usize>,
 }
 
-/// Renders on both. Methods that the backend does not run are told of, and no failure unless the user asked for them.
+/// Renders on both. Methods that the backend does not run are named, and no failure unless the user asked for
+/// them.
 ///
 /// # Errors
 /// A picture could not be made.
@@ -67,38 +66,36 @@ pub fn twins<B: Backend>(backend: &B, asked: &Twins, progress: &dyn Progress) ->
     let names_methods = !asked.methods.is_empty();
     let methods = if names_methods { asked.methods.clone() } else { all_methods()? };
     let scenes = if asked.scenes.is_empty() { own_scenes(asked.alpha)? } else { asked.scenes.clone() };
-    let (drawn_anew, methods): (Vec<_>, Vec<_>) =
+    // Samples of stochastic transparency lie elsewhere in the pixels of hardware: these methods have a scene
+    // where that does not matter.
+    let (sampled, methods): (Vec<_>, Vec<_>) =
         methods.into_iter().partition(|method| method.info().id == stochastic::INFO.id);
-    progress.expect((methods.len() * scenes.len() + drawn_anew.len().min(1)) as u64);
+    progress.expect((methods.len() * scenes.len() + sampled.len()) as u64);
+
     let mut checks = Vec::new();
     let mut refused: Vec<String> = Vec::new();
-    for (name, scene) in scenes {
-        let mut sides = Sides::new(name, &scene, backend, asked.threads)?;
-        for method in &methods {
-            match sides.check(method) {
-                Ok(Compared::Check(check)) => checks.push(check),
-                Ok(Compared::Overflow(fragments)) => progress.warn(&format!(
-                    "{}: {method} had no place for {fragments:.2} fragments a pixel; not compared",
-                    sides.scene
-                )),
-                Err(LabError::Unsupported(_)) if !names_methods => {
-                    if !refused.contains(&method.to_string()) {
-                        refused.push(method.to_string());
-                    }
-                }
-                Err(error) => return Err(error),
-            }
-            progress.step();
-        }
-    }
-    if let Some(method) = drawn_anew.first() {
-        match transmittance(backend, asked.threads) {
-            Ok(check) => checks.push(check),
+    let mut take = |method: &Method, made: Result<Vec<Check>>| {
+        progress.step();
+        match made {
+            Ok(made) => checks.extend(made),
             Err(LabError::Unsupported(_)) if !names_methods => refused.push(method.to_string()),
             Err(error) => return Err(error),
         }
-        progress.step();
+        Ok(())
+    };
+    for (name, scene) in scenes {
+        let mut sides = Sides::new(name, &scene, backend, asked.threads)?;
+        for method in &methods {
+            let made = sides.checks(method, progress);
+            take(method, made)?;
+        }
     }
+    for method in &sampled {
+        let made = layers(backend, method, asked.threads);
+        take(method, made)?;
+    }
+    refused.sort_unstable();
+    refused.dedup();
     if !refused.is_empty() {
         progress.note(&format!("--backend {} does not run: {}", backend.name(), refused.join(", ")));
     }
@@ -106,8 +103,12 @@ pub fn twins<B: Backend>(backend: &B, asked: &Twins, progress: &dyn Progress) ->
 }
 
 fn all_methods() -> Result<Vec<Method>> {
-    let names = METHODS.iter().map(|info| info.id).chain(VARIANTS);
-    Ok(names.map(str::parse).collect::<Result<_, _>>()?)
+    let names = METHODS.iter().map(|info| match info.id {
+        // What has no place in a k-buffer is blended in no order on a GPU: it is compared where all have one.
+        id if id == kbuffer::INFO.id => "kbuffer:k=32",
+        id => id,
+    });
+    Ok(names.chain(VARIANTS).map(str::parse).collect::<Result<_, _>>()?)
 }
 
 fn own_scenes(alpha: Option<f32>) -> Result<Vec<(String, Arc<Scene>)>> {
@@ -122,153 +123,288 @@ fn own_scenes(alpha: Option<f32>) -> Result<Vec<(String, Arc<Scene>)>> {
     SCENES.into_iter().map(open).collect()
 }
 
-/// A frame and what it cost.
-fn frame<B: Backend>(backend: &B, stage: &mut B::Stage, method: &Method) -> Result<(Planes, Counters)> {
-    // Not the first frame, whose number is 0 in every hash.
-    let settings = Settings { size: SIZE, first_frame: 4, ..Settings::default() };
-    picture(backend, stage, method, Antialiasing::NONE, settings, 1)
-}
-
 /// A scene on both sides.
 struct Sides<'b, B: Backend> {
     scene: String,
     backend: &'b B,
     on_cpu: Stage,
-    on_gpu: B::Stage,
-}
-
-/// What came of a comparison.
-enum Compared {
-    Check(Check),
-    /// So many fragments a pixel had no place on the GPU, which sums them up instead: by its bound, not by mistake.
-    Overflow(f64),
+    on_backend: B::Stage,
 }
 
 impl<'b, B: Backend> Sides<'b, B> {
     fn new(scene: String, opened: &Arc<Scene>, backend: &'b B, threads: Option<usize>) -> Result<Self> {
         let on_cpu = Cpu.stage(Arc::clone(opened), &CameraChoice::Default, threads)?;
-        let on_gpu = backend.stage(Arc::clone(opened), &CameraChoice::Default, threads);
-        let on_gpu = on_gpu.map_err(|error| LabError::of_backend(backend, error))?;
-        Ok(Self { scene, backend, on_cpu, on_gpu })
+        let on_backend = backend.stage(Arc::clone(opened), &CameraChoice::Default, threads);
+        let on_backend = on_backend.map_err(|error| LabError::of_backend(backend, error))?;
+        Ok(Self { scene, backend, on_cpu, on_backend })
     }
 
-    fn check(&mut self, method: &Method) -> Result<Compared> {
-        let (mut found, counters) = frame(self.backend, &mut self.on_gpu, method)?;
-        let (expected, expected_counters) = frame(&Cpu, &mut self.on_cpu, method)?;
-        if !method.family().shades_one_fragment() {
-            // Where layers hide the background, what keeps sums alone does not know which fragment is the furthest. Colours tell.
-            found.instance.clone_from(&expected.instance);
-            found.primitive.clone_from(&expected.primitive);
-        }
-        let bounds = Bounds::of(method);
-        let difference = FragmentDifference::measure(&expected, &found, bounds.colour)?;
-        let pass = bounds.hold(&difference, &self.on_cpu);
+    /// One frame of a method, and a few added up.
+    fn checks(&mut self, method: &Method, progress: &dyn Progress) -> Result<Vec<Check>> {
+        let Self { scene, backend, on_cpu, on_backend } = self;
+        let (found, counters) = render(*backend, on_backend, method, Antialiasing::NONE, 1)?;
+        let (expected, expected_counters) = render(&Cpu, on_cpu, method, Antialiasing::NONE, 1)?;
+        let (added_up, _) = render(*backend, on_backend, method, Antialiasing::TAA, TAA_FRAMES)?;
+        let (expected_sum, _) = render(&Cpu, on_cpu, method, Antialiasing::TAA, TAA_FRAMES)?;
+
+        // Both were advanced by TAA's clock last; edges are those of the single frame.
+        on_cpu.advance(Clock::new(&settings(0), Antialiasing::NONE).at(0));
+        let tolerance = Tolerance::of(method);
+        let single = Disagreement::measure(on_cpu, &expected, &found, tolerance)?;
         // What has no place in a k-buffer is summed up on a GPU, which cannot blend in order.
         let expected_merged = if method.info().id == kbuffer::INFO.id { 0 } else { expected_counters.merged };
-        let overflow = (counters.merged as f64 - expected_merged as f64) / difference.pixels as f64;
-        if !pass && overflow > COLOUR_SHARE {
-            return Ok(Compared::Overflow(overflow));
+        let overflow = (counters.merged as f64 - expected_merged as f64) / single.pixels as f64;
+        if overflow > OVERFLOW_SHARE {
+            progress.warn(&format!(
+                "{scene}: {method} had no place for {overflow:.2} fragments a pixel and summed them up"
+            ));
         }
-        Ok(Compared::Check(Check {
-            name: format!("{}: {method} by {}, share of other pixels", self.scene, self.backend.name()),
+        let over_time = Tolerance { colour_share: TAA_SHARE, inside_share: None, ..tolerance };
+        let sum = Disagreement::measure(on_cpu, &expected_sum, &added_up, over_time)?;
+
+        let check = |what: &str, share: f64, pass: bool| Check {
+            name: format!("{scene}: {method} by {}, share of {what}", backend.name()),
             source: "the CPU".to_owned(),
             closed_form: Some(Value::Number(0.0)),
             paper: None,
-            measured: Some(Value::Number(difference.other_share() + difference.colour_share())),
-            samples: Some(difference.pixels as u64),
+            measured: Some(Value::Number(share)),
+            samples: Some(single.pixels as u64),
             z: None,
             pass,
-        }))
-    }
-}
-
-/// How far a GPU may be from the CPU.
-#[derive(Clone, Copy, Debug)]
-struct Bounds {
-    /// Of a channel, as [`FragmentDifference::measure`] takes it.
-    colour: f32,
-    /// Of pixels whose colour may differ by more.
-    colour_share: f64,
-    /// Of pixels away from edges that may show another fragment.
-    inside_share: f64,
-}
-
-impl Bounds {
-    fn of(method: &Method) -> Self {
-        let inside_share = if method.info().id == hashed::INFO.id { INSIDE_SHARE_HASHED } else { 0.0 };
-        let (colour, colour_share) = match method.family() {
-            Family::Threshold | Family::Selection => (COLOUR_BOUND, COLOUR_SHARE),
-            Family::Ordered | Family::Unordered => (COLOUR_BOUND_COMPOSITED, COLOUR_SHARE_COMPOSITED),
         };
-        Self { colour, colour_share, inside_share }
-    }
-
-    /// Whether few colours differ, and fragments only where the CPU meets other triangles right beside the pixel's centre.
-    fn hold(self, difference: &FragmentDifference, stage: &Stage) -> bool {
-        let is_inside = |&&other: &&(u32, u32)| !stage.is_near_edge(other, SIZE, EDGE_PX);
-        let inside = difference.others.iter().filter(is_inside).count();
-        difference.colour_share() <= self.colour_share
-            && inside as f64 <= self.inside_share * difference.pixels as f64
+        Ok(vec![
+            check("other pixels", single.picture_share(), single.shows_same(tolerance)),
+            check(
+                "other depth, motion or transparency",
+                single.surface_share(),
+                single.has_same_surfaces(tolerance),
+            ),
+            check("other pixels under taa", sum.picture_share(), sum.shows_same(over_time)),
+        ])
     }
 }
 
-/// Samples of stochastic transparency lie elsewhere in the pixels of hardware and are drawn in rounds of as many as it has, which is another draw
-/// of the same chance: its mean has to be the closed form (ST section 3.1).
-fn transmittance<B: Backend>(backend: &B, threads: Option<usize>) -> Result<Check> {
+/// What both sides render with: not the first frame, whose number is 0 in every hash.
+fn settings(seed: u32) -> Settings {
+    Settings { size: SIZE, first_frame: 4, seed, ..Settings::default() }
+}
+
+/// The last picture of a run, and what the run cost.
+fn render<B: Backend>(
+    backend: &B,
+    stage: &mut B::Stage,
+    method: &Method,
+    antialiasing: Antialiasing,
+    frames: u32,
+) -> Result<(Planes, Counters)> {
+    picture(backend, stage, method, antialiasing, settings(0), frames)
+}
+
+/// Stochastic transparency of layers that cover all pixels: the CPU's picture under the method that draws the
+/// same masks, and, as what is seen of the background has no bias under any estimator, the closed form of its
+/// mean (ST sections 3.1 to 3.4).
+fn layers<B: Backend>(backend: &B, method: &Method, threads: Option<usize>) -> Result<Vec<Check>> {
     let (count, alpha) = LAYERS;
     let text = format!("layers:count={count},alpha={alpha},colours=red-green,background=1");
-    let scene = sheer_gallery::open(&text)?.scene.into();
-    let stage = backend.stage(scene, &CameraChoice::Default, threads);
-    let mut stage = stage.map_err(|error| LabError::of_backend(backend, error))?;
-    let method: Method = "stochastic:estimator=basic,correct=off".parse()?;
+    let mut sides = Sides::new(text.clone(), &Arc::new(sheer_gallery::open(&text)?.scene), backend, threads)?;
+    let twin = backend.twin(method).map_err(|error| LabError::of_backend(backend, error))?;
+    let tolerance = Tolerance::of(method);
+
     let mut seen = Moments::default();
-    for seed in 0..FRAMES {
-        let settings = Settings { size: SIZE, seed, ..Settings::default() };
-        let (planes, _) = picture(backend, &mut stage, &method, Antialiasing::NONE, settings, 1)?;
+    let mut others = 0.0;
+    for seed in 0..LAYER_FRAMES {
+        let Sides { on_backend, .. } = &mut sides;
+        let (found, _) = picture(backend, on_backend, method, Antialiasing::NONE, settings(seed), 1)?;
+        let (expected, _) = picture(&Cpu, &mut sides.on_cpu, &twin, Antialiasing::NONE, settings(seed), 1)?;
+        others += Disagreement::measure(&sides.on_cpu, &expected, &found, tolerance)?.picture_share();
         // Red and green layers before blue.
-        planes.colour.as_slice().iter().for_each(|&[_, _, blue, _]| seen.add(blue.into()));
+        found.colour.as_slice().iter().for_each(|&[_, _, blue, _]| seen.add(blue.into()));
     }
-    let expected = (1.0 - f64::from(alpha)).powi(count as i32);
-    Ok(Check {
-        name: format!("{method} by {}: transmittance of {count}×{alpha}", backend.name()),
-        source: "ST section 3.1".to_owned(),
-        closed_form: Some(Value::Number(expected)),
-        paper: None,
-        measured: Some(Value::Number(seen.mean())),
-        samples: Some(seen.count()),
-        z: Some(z_score(seen.mean() - expected, seen.variance_of_mean().sqrt())),
-        pass: false,
-    })
+
+    let others = others / f64::from(LAYER_FRAMES);
+    let transmittance = (1.0 - f64::from(alpha)).powi(count as i32);
+    let deviation = seen.variance_of_mean().sqrt().hypot(HALF_ROUNDING * transmittance);
+    let name = |what: &str| format!("{method} by {}: {what} of {count}×{alpha}", backend.name());
+    Ok(vec![
+        Check {
+            name: name("share of other pixels"),
+            source: "the CPU".to_owned(),
+            closed_form: Some(Value::Number(0.0)),
+            paper: None,
+            measured: Some(Value::Number(others)),
+            samples: Some(seen.count()),
+            z: None,
+            pass: others <= tolerance.colour_share,
+        },
+        Check {
+            name: name("transmittance"),
+            source: "ST section 3.1".to_owned(),
+            closed_form: Some(Value::Number(transmittance)),
+            paper: None,
+            measured: Some(Value::Number(seen.mean())),
+            samples: Some(seen.count()),
+            z: Some(z_score(seen.mean() - transmittance, deviation)),
+            pass: false,
+        },
+    ])
 }
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use std::borrow::Cow;
 
-    /// Of the second picture against the first: whether it is near enough, and the largest difference of what is.
-    fn held(methods: [&str; 2]) -> (bool, f32) {
-        let scene = sheer_gallery::open(SCENES[2]).unwrap().scene;
-        let mut stage = Stage::new(scene, &CameraChoice::Default, None).unwrap();
-        let methods = methods.map(|method| method.parse().unwrap());
-        let [one, two] = [0, 1].map(|at| frame(&Cpu, &mut stage, &methods[at]).unwrap().0);
-        let bounds = Bounds::of(&methods[0]);
-        let difference = FragmentDifference::measure(&one, &two, bounds.colour).unwrap();
-        (bounds.hold(&difference, &stage), difference.worst)
+    use sheer_render::{Pipeline, RenderError, StepTime, Timings, backend::StepClock};
+
+    use super::*;
+    use crate::{Silent, verify::check::judge};
+
+    /// The CPU with a fault.
+    struct Faulty {
+        /// What it renders in place of a method.
+        method: fn(&Method) -> Method,
+        /// What becomes of a picture.
+        planes: fn(&mut Planes),
+        /// Fragments without a place.
+        merged: u64,
+    }
+
+    const SOUND: Faulty = Faulty { method: Method::clone, planes: |_| (), merged: 0 };
+
+    impl Backend for Faulty {
+        type Stage = Stage;
+        type Pipeline = Pipeline;
+        type Error = RenderError;
+
+        fn name(&self) -> &'static str {
+            "faulty"
+        }
+
+        fn adapter(&self) -> String {
+            Cpu.adapter()
+        }
+
+        fn stage(
+            &self,
+            scene: Arc<Scene>,
+            camera: &CameraChoice,
+            threads: Option<usize>,
+        ) -> Result<Stage, RenderError> {
+            Cpu.stage(scene, camera, threads)
+        }
+
+        fn threads(&self, stage: &Stage) -> usize {
+            Cpu.threads(stage)
+        }
+
+        fn advance(&self, stage: &mut Stage, moment: sheer_render::Moment) -> Result<(), RenderError> {
+            Cpu.advance(stage, moment)
+        }
+
+        fn pipeline(
+            &self,
+            method: &Method,
+            antialiasing: Antialiasing,
+            settings: Settings,
+        ) -> Result<Pipeline, RenderError> {
+            Cpu.pipeline(&(self.method)(method), antialiasing, settings)
+        }
+
+        fn is_unsupported(&self, error: &RenderError) -> bool {
+            Cpu.is_unsupported(error)
+        }
+
+        fn twin(&self, method: &Method) -> Result<Method, RenderError> {
+            Cpu.twin(method)
+        }
+
+        fn render(
+            &self,
+            pipeline: &mut Pipeline,
+            stage: &mut Stage,
+            index: u32,
+        ) -> Result<(Counters, Timings), RenderError> {
+            let (counters, timings) = Cpu.render(pipeline, stage, index)?;
+            Ok((Counters { merged: counters.merged + self.merged, ..counters }, timings))
+        }
+
+        fn planes<'p>(&self, pipeline: &'p Pipeline) -> Result<Cow<'p, Planes>, RenderError> {
+            let mut planes = pipeline.planes().clone();
+            (self.planes)(&mut planes);
+            Ok(Cow::Owned(planes))
+        }
+
+        fn steps<'p>(&self, pipeline: &'p Pipeline) -> &'p [StepTime] {
+            Cpu.steps(pipeline)
+        }
+
+        fn step_clock(&self) -> StepClock {
+            Cpu.step_clock()
+        }
+
+        fn notes<'p>(&self, pipeline: &'p Pipeline) -> &'p [String] {
+            Cpu.notes(pipeline)
+        }
+
+        fn bytes_per_pixel(&self, pipeline: &Pipeline, hits_per_pixel: f64) -> f64 {
+            Cpu.bytes_per_pixel(pipeline, hits_per_pixel)
+        }
+    }
+
+    /// Which checks of a method pass, in `layers` where the method is not a sampled one.
+    fn passes(backend: &Faulty, method: &str) -> Vec<bool> {
+        let scene = "layers:count=4,alpha=0.3,colours=rainbow";
+        let asked = Twins {
+            scenes: vec![(scene.to_owned(), Arc::new(sheer_gallery::open(scene).unwrap().scene))],
+            methods: vec![method.parse().unwrap()],
+            ..Twins::default()
+        };
+        let mut checks = twins(backend, &asked, &Silent).unwrap();
+        judge(&mut checks);
+        checks.iter().map(|check| check.pass).collect()
     }
 
     #[test]
-    fn a_picture_is_like_itself_and_unlike_that_of_another_method() {
-        for method in ["std", "weighted"] {
-            assert_eq!(held([method, method]), (true, 0.0));
+    fn the_cpu_is_its_own_twin() {
+        for method in ["std", "peel", "weighted"] {
+            assert_eq!(passes(&SOUND, method), [true; 3], "{method}");
         }
-        for methods in [
-            ["std", "roulette"],
-            ["joint", "std"],
-            ["weighted", "moments"],
-            ["mlab", "peel"],
-            ["hashed", "std"],
-        ] {
-            assert!(!held(methods).0, "the check is blind for {methods:?}");
+        for method in ["stochastic", "stochastic:samples=4,estimator=basic,correct=off"] {
+            assert_eq!(passes(&SOUND, method), [true; 2], "{method}");
         }
+    }
+
+    #[test]
+    fn the_variant_of_stochastic_transparency_that_was_asked_for_is_tested() {
+        // Another estimator draws the same masks and has the same mean of what is seen of the background.
+        let other = |_: &Method| "stochastic:estimator=basic,correct=off".parse().unwrap();
+        assert_eq!(passes(&Faulty { method: other, ..SOUND }, "stochastic:correct=off"), [false, true]);
+        // Layers that hide one another in all samples or in none have another transmittance.
+        let other = |_: &Method| "stochastic:masks=a2c,correct=off".parse().unwrap();
+        assert_eq!(passes(&Faulty { method: other, ..SOUND }, "stochastic:correct=off"), [false, false]);
+    }
+
+    #[test]
+    fn ids_depth_and_taa_are_compared() {
+        let ids = |planes: &mut Planes| planes.primitive.as_mut_slice().iter_mut().for_each(|id| *id ^= 1);
+        for method in ["baseline", "list", "peel", "kbuffer", "mlab"] {
+            let faulty = Faulty { planes: ids, ..SOUND };
+            assert!(!passes(&faulty, method)[0], "{method}");
+        }
+        let depth = |planes: &mut Planes| planes.depth.as_mut_slice().iter_mut().for_each(|z| *z *= 1.01);
+        assert_eq!(passes(&Faulty { planes: depth, ..SOUND }, "std"), [true, false, true]);
+        // What is added up shows in colours alone.
+        let dim = |planes: &mut Planes| {
+            for pixel in planes.colour.as_mut_slice() {
+                *pixel = pixel.map(|value| 0.9 * value);
+            }
+        };
+        assert!(!passes(&Faulty { planes: dim, ..SOUND }, "std")[2]);
+    }
+
+    #[test]
+    fn a_failed_comparison_stays_a_failure_where_memory_ran_out() {
+        let wrong = |planes: &mut Planes| planes.colour.as_mut_slice().fill([0.5; 4]);
+        let overflowing = Faulty { planes: wrong, merged: 1_000_000, ..SOUND };
+        assert!(!passes(&overflowing, "list")[0]);
     }
 }
