@@ -2,7 +2,10 @@
 
 use std::path::Path;
 
-use sheer_lab::experiments::{Experiment, Lab};
+use sheer_lab::{
+    LabError, Progress as _,
+    experiments::{Experiment, Lab},
+};
 use sheer_render::{Backend, backend::Cpu};
 
 use crate::{
@@ -32,10 +35,10 @@ impl Task for ExperimentsArguments {
 
 fn experiment<B: Backend + 'static>(arguments: &ExperimentsArguments, backend: &B) -> anyhow::Result<()> {
     let chosen = Experiment::chosen(&arguments.names)?;
-    let talk = arguments.machine.apply()?;
+    let console = arguments.machine.apply()?;
     let folder = arguments.output.as_path();
     output::open_folder(folder)?;
-    let bar = talk.counter();
+    let bar = console.counter();
     let lab = Lab {
         backend,
         size: arguments.size.unwrap_or(DEFAULT_EXPERIMENT_SIZE).0,
@@ -46,8 +49,16 @@ fn experiment<B: Backend + 'static>(arguments: &ExperimentsArguments, backend: &
     };
     let mut sections = Vec::new();
     for experiment in chosen {
-        talk.note(format_args!("{}: {}", experiment.id, experiment.title));
-        sections.push(Section::new(experiment, (experiment.run)(&lab)?)?);
+        console.note(format_args!("{}: {}", experiment.id, experiment.title));
+        sections.push(match (experiment.run)(&lab) {
+            Ok(findings) => Section::new(experiment, findings)?,
+            // The other experiments are worth having all the same.
+            Err(LabError::Unsupported(why)) => {
+                bar.warn(&format!("{} is not run by --backend {}: {why}", experiment.id, backend.name()));
+                Section::refused(experiment, why.to_string())
+            }
+            Err(error) => return Err(error.into()),
+        });
     }
     let settings = lab.settings(0.0);
     drop(bar);
@@ -55,7 +66,7 @@ fn experiment<B: Backend + 'static>(arguments: &ExperimentsArguments, backend: &
     let report = Experiments { run: setup::describe_many(backend, &settings), sections };
     write(&report, folder)?;
     output::print(&report.verdicts())?;
-    talk.note(format_args!(
+    console.note(format_args!(
         "wrote {}, results.md and experiments.json beside it",
         folder.join("index.html").display()
     ));

@@ -26,6 +26,8 @@ pub(crate) struct Section {
     pub(crate) findings: Findings,
     /// The pictures of the findings as PNG.
     pub(crate) pictures_png: Vec<Vec<u8>>,
+    /// Why the backend does not run the experiment, which has no findings then.
+    pub(crate) refused: Option<String>,
 }
 
 /// All that were made in a run.
@@ -50,6 +52,8 @@ struct JsonSection<'a> {
     claims: &'a [Claim],
     commands: &'a [String],
     tables: Vec<JsonTable<'a>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    refused: Option<&'a str>,
 }
 
 #[derive(Serialize)]
@@ -64,7 +68,8 @@ impl<'a> JsonSection<'a> {
         let Section { id, title, source, ref findings, .. } = *section;
         let tables = findings.tables.iter().map(|(caption, figures)| JsonTable { caption, figures });
         let (claims, commands) = (&findings.claims, &findings.commands);
-        Self { id, title, source, claims, commands, tables: tables.collect() }
+        let refused = section.refused.as_deref();
+        Self { id, title, source, claims, commands, tables: tables.collect(), refused }
     }
 }
 
@@ -83,11 +88,15 @@ impl Experiments {
             for Claim { text: claim, holds } in &section.findings.claims {
                 let _ = writeln!(text, "  {} {claim}", if *holds { "✓" } else { "✗" });
             }
+            if let Some(refused) = &section.refused {
+                let _ = writeln!(text, "  – not run: {refused}");
+            }
         }
         text
     }
 
-    /// As Markdown that refers to pictures and charts by [`Section::picture_file`] and [`Section::chart_file`] in `folder`.
+    /// As Markdown that refers to pictures and charts by [`Section::picture_file`] and
+    /// [`Section::chart_file`] in `folder`.
     pub(crate) fn markdown(&self, folder: &str) -> String {
         let Run { size: [width, height], threads, adapter, commit, seed, .. } = &self.run;
         let mut text = format!(
@@ -110,14 +119,15 @@ impl Section {
         let &Experiment { id, title, source, account, .. } = experiment;
         let pictures = findings.pictures.iter();
         let pictures_png = pictures.map(|picture| encode_png(&picture.image, &Metadata::default()));
-        Ok(Self {
-            id,
-            title,
-            source,
-            account,
-            pictures_png: pictures_png.collect::<Result<_, _>>()?,
-            findings,
-        })
+        let pictures_png = pictures_png.collect::<Result<_, _>>()?;
+        Ok(Self { id, title, source, account, findings, pictures_png, refused: None })
+    }
+
+    /// An experiment that the backend does not run, and why.
+    pub(crate) fn refused<B: Backend>(experiment: &Experiment<B>, why: String) -> Self {
+        let &Experiment { id, title, source, account, .. } = experiment;
+        let (findings, pictures_png) = (Findings::default(), Vec::new());
+        Self { id, title, source, account, findings, pictures_png, refused: Some(why) }
     }
 
     /// Name of a picture's file.
@@ -135,6 +145,9 @@ impl Section {
         let _ = write!(text, "\n## {}\n\n*{}.* {}\n\n", self.title, self.source, self.account);
         for Claim { text: claim, holds } in claims {
             let _ = writeln!(text, "* {} {claim}", if *holds { "✓" } else { "✗" });
+        }
+        if let Some(refused) = &self.refused {
+            let _ = writeln!(text, "* – not run: {refused}");
         }
         if !commands.is_empty() {
             let _ = write!(text, "\n```sh\n{}\n```\n", commands.join("\n"));

@@ -62,7 +62,8 @@ fn a_picture_by_rays_is_the_processors_and_says_nothing_of_the_driver() {
         assert_eq!(read_png(&path(&format!("{file}.png"))).unwrap().size(), (64, 36));
     }
     let colour = |name: &str| read_exr(&path(name)).unwrap().colour.par_map(|&[r, g, b, _]| [r, g, b]);
-    // Sums of nine layers of at most 1 each: rounding. Pictures of another number of layers are further apart by far.
+    // Sums of nine layers of at most 1 each: rounding. Pictures of another number of layers are further apart
+    // by far.
     let difference = rms(&colour("cpu.exr"), &colour("gpu-ray.exr")).unwrap();
     assert!(difference < 1e-5, "{difference}");
     succeed(folder.path(), "render layers:count=7 -m baseline -a none --size 64x36 -o other.exr");
@@ -117,4 +118,28 @@ fn memory_is_what_was_allocated_and_a_reference_that_overflows_says_so() {
     // A pool of 32 fragments a pixel.
     let (is_said, merged) = compare("layers:count=40");
     assert!(is_said && (merged - 8.0).abs() < 1e-6, "{is_said} {merged}");
+}
+
+#[test]
+fn calibration_on_a_gpu_shows_the_processors_opacities() {
+    let folder = tempfile::tempdir().unwrap();
+    let table = |backend: &str| {
+        let arguments = "calibrate -m baseline -a none --size 160x90 --frames 2 --backend";
+        succeed(folder.path(), &format!("{arguments} {backend}")).stdout
+    };
+    assert_eq!(table("gpu:ray"), table("cpu"));
+}
+
+#[test]
+fn experiments_say_which_backend_made_them_and_what_it_does_not_run() {
+    let folder = tempfile::tempdir().unwrap();
+    // Curves without a picture, and a method that is not to be had by rays.
+    let arguments = "experiments sequences growth --size 16x9 --backend gpu:ray -o out";
+    let outcome = succeed(folder.path(), arguments);
+    assert!(outcome.stderr.contains("growth is not run by --backend gpu:ray"), "{outcome:?}");
+    assert!(outcome.stdout.contains("not run: method list"), "{outcome:?}");
+    let report = json(&fs::read_to_string(folder.path().join("out/experiments.json")).unwrap());
+    assert_eq!(report["backend"], "gpu:ray");
+    let experiments = report["experiments"].as_array().unwrap();
+    assert!(experiments[0].get("refused").is_none() && experiments[1]["refused"].is_string(), "{report}");
 }

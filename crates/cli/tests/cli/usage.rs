@@ -29,7 +29,7 @@ fn wrong_use_exits_with_2_and_one_line_that_says_what_there_is() {
         ("compare layers --shadow deep-map:tolerance=2", "0.0..=0.5"),
         ("bench pane --shadow stochastic-map:resolution=8192,samples=64 --size 8x8", "lower resolution="),
         ("render layers --adapter 0", "--backend gpu"),
-        ("calibrate --backend gpu", "--backend"),
+        ("calibrate --adapter 0", "--backend gpu"),
         ("render layers --backend tpu", "cpu, gpu, gpu:ray, gpu:raster"),
         ("render layers -o picture.jpg", ".png or .exr"),
         ("compare layers --sizes 8x8", "--size"),

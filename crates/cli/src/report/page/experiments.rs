@@ -24,6 +24,7 @@ struct Shown<'a> {
     source: &'a str,
     account: &'a str,
     claims: &'a [Claim],
+    refused: Option<&'a str>,
     held: usize,
     commands: &'a [String],
     tables: Vec<CaptionedTable<'a>>,
@@ -59,13 +60,14 @@ pub(crate) fn text(report: &Experiments) -> anyhow::Result<String> {
 }
 
 fn shown(section: &Section) -> Shown<'_> {
-    let Section { id, title, source, account, findings, pictures_png } = section;
+    let Section { id, title, source, account, findings, pictures_png, refused } = section;
     Shown {
         id,
         title,
         source,
         account,
         claims: &findings.claims,
+        refused: refused.as_deref(),
         held: findings.claims.iter().filter(|claim| claim.holds).count(),
         commands: &findings.commands,
         tables: findings
@@ -122,6 +124,7 @@ mod tests {
             account: "How.",
             findings,
             pictures_png: vec![b"png".to_vec()],
+            refused: None,
         };
         Experiments { run: run_of(name), sections: vec![section] }
     }
@@ -130,6 +133,16 @@ mod tests {
     fn the_page_needs_nothing_but_itself() {
         assert_sound(|name| text(&report(name)).unwrap());
         assert!(text(&report("layers")).unwrap().contains("1 of 2 hold"));
+    }
+
+    #[test]
+    fn what_a_backend_does_not_run_is_said_everywhere() {
+        let mut report = report("layers");
+        report.sections[0].refused = Some("one sample a pixel is all it has".to_owned());
+        let page = text(&report).unwrap();
+        for form in [page, report.markdown("."), report.verdicts(), report.json().unwrap()] {
+            assert!(form.contains("one sample a pixel is all it has"), "{form}");
+        }
     }
 
     #[test]
