@@ -44,7 +44,8 @@ pub(crate) enum Command {
     Calibrate(CalibrateArguments),
     /// Make the papers' figures again, measure them and write one report.
     Experiments(ExperimentsArguments),
-    /// Check the papers' numbers and the methods' promises: closed form, printed, measured; or hold a GPU against the CPU.
+    /// Check the papers' numbers and the methods' promises: closed form, printed, measured; or hold a GPU
+    /// against the CPU.
     Verify(VerifyArguments),
 }
 
@@ -69,10 +70,12 @@ pub(crate) struct RenderArguments {
     /// Transparency method, NAME or NAME:KEY=VALUE,…; `sheer methods` lists them.
     #[arg(short, long, default_value = "std", value_parser = method)]
     pub(crate) method: Method,
-    /// none: one sample through each pixel centre; accumulate: the mean of the frames of one moment; taa: frames play and add up.
+    /// none: one sample through each pixel centre; accumulate: the mean of the frames of one moment; taa:
+    /// frames play and add up.
     #[arg(short = 'a', long = "aa", value_name = "AA", default_value = "taa")]
     pub(crate) antialiasing: Antialiasing,
-    /// .png (sRGB, straight alpha) or .exr (linear, with depth, motion and ids); `####` or `%04d` in its name: every frame.
+    /// .png (sRGB, straight alpha) or .exr (linear, with depth, motion and ids); `####` or `%04d` in its
+    /// name: every frame.
     ///
     /// sheer-out/SCENE.png if not given.
     #[arg(short, long, value_name = "FILE")]
@@ -91,13 +94,15 @@ pub(crate) struct RenderArguments {
 pub(crate) struct CompareArguments {
     #[command(flatten)]
     pub(crate) scene: SceneArguments,
-    /// Transparency method, NAME or NAME:KEY=VALUE,…; give as many as you like. baseline always takes part as the reference.
+    /// Transparency method, NAME or NAME:KEY=VALUE,…; give as many as you like. baseline always takes part as
+    /// the reference.
     #[arg(short, long = "method", value_name = "METHOD", default_values = STD_METHODS, value_parser = method)]
     pub(crate) methods: Vec<Method>,
     /// none, accumulate or taa; give as many as you like.
     #[arg(short = 'a', long = "aa", value_name = "AA", default_value = "taa")]
     pub(crate) antialiasings: Vec<Antialiasing>,
-    /// Judge the clips with ColorVideoVDP as well, in just-objectionable differences; about as slow as rendering.
+    /// Judge the clips with ColorVideoVDP as well, in just-objectionable differences; about as slow as
+    /// rendering.
     #[arg(long)]
     pub(crate) vdp: bool,
     /// Folder for index.html, report.json and the pictures.
@@ -144,7 +149,8 @@ pub(crate) struct CalibrateArguments {
     /// none, accumulate or taa.
     #[arg(short = 'a', long = "aa", value_name = "AA", default_value = "taa")]
     pub(crate) antialiasing: Antialiasing,
-    /// JSON file for the coefficients, to be given as METHOD:correction=FILE; - for stdout in place of the table.
+    /// JSON file for the coefficients, to be given as METHOD:correction=FILE; - for stdout in place of the
+    /// table.
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
     /// File for a page with plot, correction and picture.
@@ -171,7 +177,8 @@ pub(crate) struct ExperimentsArguments {
     pub(crate) output: PathBuf,
     #[arg(long, value_name = "WxH", help = format!("Width and height in pixels [default: {DEFAULT_EXPERIMENT_SIZE}]"))]
     pub(crate) size: Option<Size>,
-    /// A scene file to take part where methods are compared, with all its materials at an opacity of 0.3; give as many as you like.
+    /// A scene file to take part where methods are compared, with all its materials at an opacity of 0.3;
+    /// give as many as you like.
     #[arg(long = "file", value_name = "FILE")]
     pub(crate) files: Vec<String>,
     /// Seed of the dithering.
@@ -185,7 +192,8 @@ pub(crate) struct ExperimentsArguments {
 
 #[derive(Args, Debug)]
 pub(crate) struct VerifyArguments {
-    /// Scenes in which a GPU has to show what the CPU shows: built-in ones, .gltf or .glb files; some of ours if none is given.
+    /// Scenes in which a GPU has to show what the CPU shows: built-in ones, .gltf or .glb files; some of ours
+    /// if none is given.
     #[arg(value_name = "SCENE")]
     pub(crate) scenes: Vec<String>,
     /// Methods that a GPU has to run as the CPU does, NAME or NAME:KEY=VALUE,…; all if none is given.
@@ -209,7 +217,8 @@ const STD_METHODS: [&str; 6] = ["baseline", "roulette", "std", "dtaa", "dtaa-uni
 /// What is shown.
 #[derive(Args, Debug)]
 pub(crate) struct SceneArguments {
-    /// Built-in scene, NAME or NAME:KEY=VALUE,…, or a .gltf or .glb file; `sheer scenes` lists the built-in ones.
+    /// Built-in scene, NAME or NAME:KEY=VALUE,…, or a .gltf or .glb file; `sheer scenes` lists the built-in
+    /// ones.
     #[arg(value_name = "SCENE", default_value = "smoke-square")]
     pub(crate) text: String,
     /// static, path, orbit or the name of one of the scene's cameras; the scene's first if not given.
@@ -234,7 +243,8 @@ pub(crate) struct FrameArguments {
     /// Time of frame 0 in seconds.
     #[arg(long, value_name = "SECS", default_value_t = 0.0, value_parser = seconds, allow_negative_numbers = true)]
     pub(crate) time: f32,
-    /// What lies behind everything: env (the scene's surroundings), #rrggbb, or none (the picture is transparent there).
+    /// What lies behind everything: env (the scene's surroundings), #rrggbb, or none (the picture is
+    /// transparent there).
     #[arg(long, value_name = "env|#rrggbb|none", default_value = "env", value_parser = background)]
     pub(crate) background: Background,
     /// Seed of the dithering.
@@ -245,8 +255,8 @@ pub(crate) struct FrameArguments {
 /// How light comes about.
 #[derive(Args, Clone, Copy, Debug)]
 pub(crate) struct LightArguments {
-    /// Shadow technique, NAME or NAME:KEY=VALUE,…: deep, stochastic-map, deep-map, opacity-map or fourier; `sheer methods --long` lists their
-    /// keys.
+    /// Shadow technique, NAME or NAME:KEY=VALUE,…: deep, stochastic-map, deep-map, opacity-map or fourier;
+    /// `sheer methods --long` lists their keys.
     #[arg(long, value_name = "SHADOW", default_value_t)]
     pub(crate) shadow: Shadow,
 }
@@ -254,7 +264,8 @@ pub(crate) struct LightArguments {
 /// What renders.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct BackendArguments {
-    /// cpu; gpu: rays where the GPU traces them itself and the method goes by rays, raster otherwise; gpu:ray or gpu:raster: that alone.
+    /// cpu; gpu: rays where the GPU traces them itself and the method goes by rays, raster otherwise; gpu:ray
+    /// or gpu:raster: that alone.
     #[arg(long, default_value = "cpu")]
     pub(crate) backend: BackendChoice,
     /// The GPU: its number or a part of its name, as `sheer devices` has them; the most capable if not given.
@@ -279,8 +290,8 @@ pub(crate) struct Size(pub(crate) [u32; 2]);
 
 /// Of pictures and measurements.
 pub(crate) const DEFAULT_SIZE: Size = Size([960, 540]);
-/// Of comparisons, which render everything exactly as well: with the default scene, methods and frames, they end within a minute and a half
-/// on two cores of 2023.
+/// Of comparisons, which render everything exactly as well: with the default scene, methods and frames, they
+/// end within a minute and a half on two cores of 2023.
 pub(crate) const COMPARE_SIZE: Size = Size([480, 270]);
 /// Of experiments, of which there are many.
 pub(crate) const DEFAULT_EXPERIMENT_SIZE: Size = Size([240, 135]);

@@ -1,4 +1,5 @@
-//! From `--backend` and `--adapter` to what renders. Commands have one body for all backends, over [`Backend`].
+//! From `--backend` and `--adapter` to what renders. Commands have one body for all backends, over
+//! [`Backend`].
 
 use sheer_gpu::{Gpu, GpuBackend};
 use sheer_render::{Backend, backend::Cpu};

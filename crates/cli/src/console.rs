@@ -1,4 +1,4 @@
-//! What is said to people, on stderr.
+//! What is said to people on stderr: notes, warnings, progress. Machine output goes to stdout (`output`).
 
 use std::{
     fmt::Display,
@@ -9,14 +9,14 @@ use std::{
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use sheer_lab::Progress;
 
-/// How much is said.
+/// Talks to whoever runs the program, or does not.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Talk {
-    /// Only errors.
+pub(crate) struct Console {
+    /// Says nothing but errors, which go another way (`failure`).
     pub(crate) quiet: bool,
 }
 
-impl Talk {
+impl Console {
     /// Says how it went.
     pub(crate) fn note(self, text: impl Display) {
         self.line(format_args!("sheer: {text}"));
@@ -51,14 +51,14 @@ impl Talk {
         let style = ProgressStyle::with_template(template).expect("the template names known fields");
         let bar = ProgressBar::with_draw_target(length, target).with_style(style.progress_chars("━╸ "));
         bar.enable_steady_tick(Duration::from_millis(500));
-        Bar { talk: self, bar }
+        Bar { console: self, bar }
     }
 }
 
 /// How far something is, on a terminal; gone when dropped.
 #[derive(Debug)]
 pub(crate) struct Bar {
-    talk: Talk,
+    console: Console,
     bar: ProgressBar,
 }
 
@@ -79,11 +79,11 @@ impl Progress for Bar {
     }
 
     fn note(&self, text: &str) {
-        self.bar.suspend(|| self.talk.note(text));
+        self.bar.suspend(|| self.console.note(text));
     }
 
     fn warn(&self, text: &str) {
-        self.bar.suspend(|| self.talk.warn(text));
+        self.bar.suspend(|| self.console.warn(text));
     }
 }
 

@@ -125,7 +125,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_cause_is_told_once() {
+    fn a_cause_is_said_once() {
         let cause = io::Error::other("disk on fire");
         let quoting = SceneError::Read { path: "a.glb".into(), source: cause };
         assert_eq!(message(&quoting.into()), "cannot read a.glb: disk on fire");

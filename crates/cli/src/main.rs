@@ -1,7 +1,7 @@
 //! Order-independent transparency: render, compare, measure.
 //!
-//! Each verb is a file in `command`; what it reports goes through `report`. Talk goes to stderr, machine output to stdout. Exit codes:
-//! 0 done, 1 failed, 2 wrong use, 130 interrupted.
+//! Each verb is a file in `command`; what it reports goes through `report`. Console goes to stderr, machine
+//! output to stdout. Exit codes: 0 done, 1 failed, 2 wrong use, 130 interrupted.
 
 use std::{env, process::ExitCode};
 
@@ -11,11 +11,11 @@ use clap::Parser;
 mod args;
 mod backend;
 mod command;
+mod console;
 mod failure;
 mod output;
 mod report;
 mod setup;
-mod talk;
 mod version;
 
 fn main() -> ExitCode {

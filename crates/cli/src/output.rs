@@ -22,7 +22,8 @@ fn writing() -> MutexGuard<'static, ()> {
     WRITING.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Lets Ctrl-C and SIGTERM end the program between two files and never within one, where a temporary file would stay behind.
+/// Lets Ctrl-C and SIGTERM end the program between two files and never within one, where a temporary file
+/// would stay behind.
 pub(crate) fn finish_writing_when_interrupted() {
     let interrupted = || {
         let _files_are_whole = writing();
@@ -111,13 +112,13 @@ pub(crate) enum PictureOutput {
 }
 
 impl PictureOutput {
-    /// Reads `####` or `%04d` in the file name as the place of a frame number.
+    /// Reads `####` or `%04d` in the file name as where the number of the frame goes.
     pub(crate) fn from_path(path: &Path) -> Self {
         let single = || Self::Single(path.to_owned());
         let Some(text) = path.to_str() else { return single() };
         let name_at = text.rfind('/').map_or(0, |slash| slash + 1);
-        let place = hashes(&text[name_at..]).or_else(|| percent(&text[name_at..]));
-        let Some((at, length, digits)) = place else { return single() };
+        let number = hashes(&text[name_at..]).or_else(|| percent(&text[name_at..]));
+        let Some((at, length, digits)) = number else { return single() };
         let (before, after) = (&text[..name_at + at], &text[name_at + at + length..]);
         Self::Sequence { before: before.to_owned(), digits, after: after.to_owned() }
     }
@@ -130,7 +131,8 @@ impl PictureOutput {
         }
     }
 
-    /// Finds out whether the frames can be written: their folder and ending are the same for all, so the first one tells.
+    /// Finds out whether the frames can be written: their folder and ending are the same for all, so the
+    /// first one tells.
     pub(crate) fn check(&self, first_frame: u32) -> anyhow::Result<()> {
         let _interruptions_wait = writing();
         check_writable(&self.path(first_frame))?;

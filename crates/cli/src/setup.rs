@@ -11,17 +11,17 @@ use sheer_scene::{CameraChoice, Scene};
 
 use crate::{
     args::{FrameArguments, LightArguments, MachineArguments, SceneArguments, Size},
+    console::Console,
     report::json::Run,
-    talk::Talk,
     version::{COMMIT, VERSION},
 };
 
 impl MachineArguments {
     /// Limits the threads that work beside the stage's own, and tells how much may be said.
-    pub(crate) fn apply(self) -> anyhow::Result<Talk> {
+    pub(crate) fn apply(self) -> anyhow::Result<Console> {
         let pool = ThreadPoolBuilder::new().num_threads(self.threads.unwrap_or(0));
         pool.build_global().map_err(RenderError::from)?;
-        Ok(Talk { quiet: self.quiet })
+        Ok(Console { quiet: self.quiet })
     }
 }
 
@@ -56,7 +56,8 @@ pub(crate) struct Opened<S> {
 }
 
 impl SceneArguments {
-    /// Name for output files: that of the scene, or of its file, in characters that no shell or file system minds.
+    /// Name for output files: that of the scene, or of its file, in characters that no shell or file system
+    /// minds.
     pub(crate) fn file_stem(&self) -> String {
         let path = Path::new(&self.text);
         let stem = path.file_stem().map_or(self.text.as_str().into(), |stem| stem.to_string_lossy());
@@ -65,10 +66,10 @@ impl SceneArguments {
     }
 
     /// Loads the scene.
-    pub(crate) fn load(&self, talk: Talk) -> anyhow::Result<Arc<Scene>> {
+    pub(crate) fn load(&self, console: Console) -> anyhow::Result<Arc<Scene>> {
         let loaded = sheer_gallery::open(&self.text)?;
         for warning in &loaded.warnings {
-            talk.warn(format_args!("{}: {warning}", self.text));
+            console.warn(format_args!("{}: {warning}", self.text));
         }
         Ok(Arc::new(match self.alpha {
             Some(alpha) => loaded.scene.with_alpha(alpha),
@@ -81,9 +82,9 @@ impl SceneArguments {
         &self,
         backend: &B,
         machine: MachineArguments,
-        talk: Talk,
+        console: Console,
     ) -> anyhow::Result<Opened<B::Stage>> {
-        let scene = self.load(talk)?;
+        let scene = self.load(console)?;
         let hash = format!("{:016x}", scene.content_hash());
         let camera = self.camera.clone().unwrap_or_default();
         let stage = backend

@@ -27,15 +27,16 @@ impl Task for BenchArguments {
 }
 
 fn bench<B: Backend>(arguments: &BenchArguments, backend: &B) -> anyhow::Result<()> {
-    let talk = arguments.machine.apply()?;
+    let console = arguments.machine.apply()?;
     let json = arguments.json.as_deref().map(TextOutput::open).transpose()?;
     let html = arguments.html.as_deref().map(TextOutput::open).transpose()?;
     let settings = arguments.light.under(arguments.frames.settings(DEFAULT_SIZE));
     let frame_count = arguments.frames.frames;
     let methods = without_repeats(&arguments.methods);
-    let mut opened = arguments.scene.open(backend, arguments.machine, talk)?;
+    let mut opened = arguments.scene.open(backend, arguments.machine, console)?;
     let timeline = Timeline::of(&settings, Antialiasing::NONE, frame_count);
-    let tallies = measure_cost(backend, &mut opened.stage, &methods, settings, timeline, true, &talk.bar())?;
+    let tallies =
+        measure_cost(backend, &mut opened.stage, &methods, settings, timeline, true, &console.bar())?;
 
     let row = |(method, tally)| BenchmarkRow::new(method, tally, &tallies[0]);
     let rows = methods.iter().zip(&tallies).map(row).collect();

@@ -1,4 +1,5 @@
-//! `sheer calibrate`: what a method under an anti-aliasing shows of ten opacities, and the correction that sets it right (STD section 3.2.1).
+//! `sheer calibrate`: what a method under an anti-aliasing shows of ten opacities, and the correction that
+//! sets it right (STD section 3.2.1).
 
 use serde::Serialize;
 use sheer_image::{Metadata, ToneCurve, display, encode_png};
@@ -35,7 +36,7 @@ impl Task for CalibrateArguments {
 
 fn calibrate<B: Backend>(arguments: &CalibrateArguments, backend: &B) -> anyhow::Result<()> {
     let CalibrateArguments { method, antialiasing, .. } = arguments;
-    let talk = arguments.machine.apply()?;
+    let console = arguments.machine.apply()?;
     let settings = arguments.frames.settings(DEFAULT_SIZE);
     let areas = areas(settings.size)?;
     if settings.background != Background::Environment {
@@ -45,11 +46,11 @@ fn calibrate<B: Backend>(arguments: &CalibrateArguments, backend: &B) -> anyhow:
     let file = arguments.output.as_deref().map(TextOutput::open).transpose()?;
 
     let scene = SceneArguments { text: "calibration".to_owned(), camera: None, alpha: None };
-    let mut opened = scene.open(backend, arguments.machine, talk)?;
+    let mut opened = scene.open(backend, arguments.machine, console)?;
     let mut pipeline = backend.pipeline(method, *antialiasing, settings)?;
-    backend.notes(&pipeline).iter().for_each(|note| talk.warn(note));
+    backend.notes(&pipeline).iter().for_each(|note| console.warn(note));
     let frames = arguments.frames.frames;
-    let bar = talk.bar();
+    let bar = console.bar();
     bar.expect(u64::from(frames));
     let timeline = Timeline::of(&settings, *antialiasing, frames);
     let measured = shown_opacities(backend, &mut opened.stage, &mut pipeline, areas, timeline, &bar)?;

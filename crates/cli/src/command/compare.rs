@@ -31,7 +31,7 @@ impl Task for CompareArguments {
 }
 
 fn compare<B: Backend>(arguments: &CompareArguments, backend: &B) -> anyhow::Result<()> {
-    let talk = arguments.machine.apply()?;
+    let console = arguments.machine.apply()?;
     let folder = arguments.output.as_path();
     output::open_folder(folder)?;
     let settings = arguments.light.under(arguments.frames.settings(COMPARE_SIZE));
@@ -43,16 +43,16 @@ fn compare<B: Backend>(arguments: &CompareArguments, backend: &B) -> anyhow::Res
     let frame_count = arguments.frames.frames;
     let methods = with_reference(without_repeats(&arguments.methods))?;
     let antialiasings = without_repeats(&arguments.antialiasings);
-    let mut opened = arguments.scene.open(backend, arguments.machine, talk)?;
+    let mut opened = arguments.scene.open(backend, arguments.machine, console)?;
 
     let mut measured = Vec::new();
-    let bar = talk.bar();
+    let bar = console.bar();
     for &antialiasing in &antialiasings {
         let clip = Clip { settings, antialiasing, frame_count, keeps_frames: arguments.vdp };
         measured.extend(clip.play(backend, &mut opened.stage, &methods, &bar)?);
     }
     drop(bar);
-    measured.iter().filter_map(overflow_of_reference).for_each(|warning| talk.warn(warning));
+    measured.iter().filter_map(overflow_of_reference).for_each(|warning| console.warn(warning));
 
     let entries = measured.into_iter().map(Entry::new).collect::<anyhow::Result<Vec<_>>>()?;
     for Entry { measured, picture_png, error_png } in &entries {
@@ -72,7 +72,7 @@ fn compare<B: Backend>(arguments: &CompareArguments, backend: &B) -> anyhow::Res
     output::write_file(&folder.join("index.html"), page.as_bytes())?;
     let figures = figures(entries.iter().map(|entry| &entry.measured), true);
     output::print(&Table::of(&figures).text())?;
-    talk.note(format_args!("wrote {} and report.json beside it", folder.join("index.html").display()));
+    console.note(format_args!("wrote {} and report.json beside it", folder.join("index.html").display()));
     Ok(())
 }
 

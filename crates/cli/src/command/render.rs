@@ -26,7 +26,7 @@ impl Task for RenderArguments {
 }
 
 fn render<B: Backend>(arguments: &RenderArguments, backend: &B) -> anyhow::Result<()> {
-    let talk = arguments.machine.apply()?;
+    let console = arguments.machine.apply()?;
     let settings = arguments.light.under(arguments.frames.settings(DEFAULT_SIZE));
     let antialiasing = arguments.antialiasing;
     let path = output_path(arguments)?;
@@ -37,12 +37,12 @@ fn render<B: Backend>(arguments: &RenderArguments, backend: &B) -> anyhow::Resul
     let frame_count = if owes_nothing { 1 } else { arguments.frames.frames };
     output.check(settings.first_frame)?;
 
-    let mut stage = arguments.scene.open(backend, arguments.machine, talk)?.stage;
+    let mut stage = arguments.scene.open(backend, arguments.machine, console)?.stage;
     let mut pipeline = backend.pipeline(&arguments.method, antialiasing, settings)?;
-    backend.notes(&pipeline).iter().for_each(|note| talk.warn(note));
+    backend.notes(&pipeline).iter().for_each(|note| console.warn(note));
     let metadata = setup::metadata(backend, &arguments.scene, &arguments.method, antialiasing, &settings);
     let mut tally = Tally::default();
-    let bar = talk.bar();
+    let bar = console.bar();
     bar.expect(u64::from(frame_count));
     let timeline = Timeline::of(&settings, antialiasing, frame_count);
     play(backend, &mut stage, slice::from_mut(&mut pipeline), timeline, |event| {
@@ -66,7 +66,7 @@ fn render<B: Backend>(arguments: &RenderArguments, backend: &B) -> anyhow::Resul
 
     let [width, height] = settings.size;
     let pixels = f64::from(width) * f64::from(height);
-    talk.note(format_args!(
+    console.note(format_args!(
         "wrote {}: {width}x{height}, {}, {antialiasing}, {frame_count} frame{}; {:.1} ms per frame, {:.2} shaded and {:.2} hits per pixel",
         path.display(),
         arguments.method,

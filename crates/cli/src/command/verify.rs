@@ -1,4 +1,5 @@
-//! `sheer verify`: the papers' numbers and the methods' promises, from theory, as printed, and as measured; and whether a GPU keeps them.
+//! `sheer verify`: the papers' numbers and the methods' promises, from theory, as printed, and as measured;
+//! and whether a GPU keeps them.
 
 use anyhow::{anyhow, ensure};
 use sheer_gpu::GpuBackend;
@@ -9,6 +10,7 @@ use sheer_lab::{
 
 use crate::{
     args::{SceneArguments, VerifyArguments},
+    console::Console,
     failure::Misuse,
     output::{self, TextOutput},
     report::{
@@ -16,7 +18,6 @@ use crate::{
         table::Table,
     },
     setup::without_repeats,
-    talk::Talk,
     version::{COMMIT, VERSION},
 };
 
@@ -28,11 +29,11 @@ pub(crate) fn run(arguments: &VerifyArguments) -> anyhow::Result<()> {
             "scenes, --method and --alpha are for --backend gpu, gpu:ray or gpu:raster, held against the CPU";
         return Err(Misuse(problem.to_owned()).into());
     }
-    let talk = arguments.machine.apply()?;
+    let console = arguments.machine.apply()?;
     let json = arguments.json.as_deref().map(TextOutput::open).transpose()?;
     let mut checks = match &gpu {
-        None => promises(arguments.machine.threads, &talk.bar())?,
-        Some(gpu) => hold(gpu, arguments, talk)?,
+        None => promises(arguments.machine.threads, &console.bar())?,
+        Some(gpu) => hold(gpu, arguments, console)?,
     };
     ensure!(!checks.is_empty(), "nothing could be compared");
     judge(&mut checks);
@@ -50,15 +51,15 @@ pub(crate) fn run(arguments: &VerifyArguments) -> anyhow::Result<()> {
         failed.is_empty(),
         anyhow!("{} of {} checks failed: {}", failed.len(), report.checks.len(), failed.join("; "))
     );
-    talk.note(format_args!("all {} checks passed", report.checks.len()));
+    console.note(format_args!("all {} checks passed", report.checks.len()));
     Ok(())
 }
 
 /// Holds a GPU against the CPU in what the user asked for.
-fn hold(gpu: &GpuBackend, arguments: &VerifyArguments, talk: Talk) -> anyhow::Result<Vec<Check>> {
+fn hold(gpu: &GpuBackend, arguments: &VerifyArguments, console: Console) -> anyhow::Result<Vec<Check>> {
     let load = |text: String| {
         let scene = SceneArguments { text, camera: None, alpha: arguments.alpha };
-        anyhow::Ok((scene.text.clone(), scene.load(talk)?))
+        anyhow::Ok((scene.text.clone(), scene.load(console)?))
     };
     let asked = Twins {
         scenes: without_repeats(&arguments.scenes).into_iter().map(load).collect::<Result<_, _>>()?,
@@ -66,7 +67,7 @@ fn hold(gpu: &GpuBackend, arguments: &VerifyArguments, talk: Talk) -> anyhow::Re
         methods: without_repeats(&arguments.methods),
         threads: arguments.machine.threads,
     };
-    Ok(twins(gpu, &asked, &talk.bar())?)
+    Ok(twins(gpu, &asked, &console.bar())?)
 }
 
 fn table(report: &Verification) -> String {

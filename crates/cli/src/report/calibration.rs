@@ -4,7 +4,8 @@ use sheer_lab::calibrate::Calibration;
 
 use super::{json::Run, table::Table};
 
-/// What a method under an anti-aliasing shows of some opacities, how that came about, and the correction that sets it right.
+/// What a method under an anti-aliasing shows of some opacities, how that came about, and the correction that
+/// sets it right.
 #[derive(Debug)]
 pub(crate) struct Report {
     pub(crate) run: Run,

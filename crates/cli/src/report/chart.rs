@@ -6,11 +6,13 @@ use sheer_lab::{
     plot::{Axis, Mark, Plot, Series},
 };
 
-/// Width of a character of a name, in the units of the drawings, in which text is 12 high: generous, as fonts differ.
+/// Width of a character of a name, in the units of the drawings, in which text is 12 high: generous, as fonts
+/// differ.
 const CHARACTER: f64 = 7.5;
 /// Names closer than this to one another would overlap.
 const LINE_HEIGHT: f64 = 16.0;
-/// Around the plot: left for the numbers, above for the title of the vertical axis, below for the numbers and title of the other.
+/// Around the plot: left for the numbers, above for the title of the vertical axis, below for the numbers and
+/// title of the other.
 const LEFT: f64 = 46.0;
 const TOP: f64 = 30.0;
 const BOTTOM: f64 = 44.0;
@@ -150,13 +152,13 @@ impl Drawing {
     }
 }
 
-/// From values to places.
+/// From values to positions.
 #[derive(Debug)]
 struct Scale {
     is_logarithmic: bool,
     /// Ends of the axis, as logarithms where it is logarithmic.
     values: [f64; 2],
-    places: [f64; 2],
+    positions: [f64; 2],
     ticks: Vec<f64>,
     decimals: usize,
 }
@@ -167,17 +169,17 @@ impl Scale {
         values: impl Iterator<Item = f64>,
         most_ticks: f64,
         is_tight: bool,
-        places: [f64; 2],
+        positions: [f64; 2],
     ) -> Self {
         let ends = values
             .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| [low.min(value), high.max(value)]);
         let [low, high] = if ends[0] <= ends[1] { ends } else { [1.0, 1.0] };
         if axis.is_logarithmic {
-            Self::logarithmic([low, high], most_ticks, is_tight, places)
+            Self::logarithmic([low, high], most_ticks, is_tight, positions)
         } else {
             let low = if axis.begins_at_zero { low.min(0.0) } else { low };
             let least_step = if axis.counts { 1.0 } else { 0.0 };
-            Self::linear([low, high], least_step, most_ticks, is_tight, places)
+            Self::linear([low, high], least_step, most_ticks, is_tight, positions)
         }
     }
 
@@ -186,7 +188,7 @@ impl Scale {
         least_step: f64,
         most_ticks: f64,
         is_tight: bool,
-        places: [f64; 2],
+        positions: [f64; 2],
     ) -> Self {
         let step = round_step((high - low) / (most_ticks - 1.0)).max(least_step);
         // A little less than a step beyond the last value, so that rounding adds none.
@@ -200,11 +202,12 @@ impl Scale {
         let ticks =
             (0..=(last - first).max(0.0) as u32).map(|count| (first + f64::from(count)) * step).collect();
         let decimals = (-step.log10().floor()).max(0.0) as usize;
-        Self { is_logarithmic: false, values, places, ticks, decimals }
+        Self { is_logarithmic: false, values, positions, ticks, decimals }
     }
 
-    /// Ticks at 1, 2 and 5 times powers of ten, or at powers of ten or a hundred if these are too many; at equal steps within one power.
-    fn logarithmic([low, high]: [f64; 2], most_ticks: f64, is_tight: bool, places: [f64; 2]) -> Self {
+    /// Ticks at 1, 2 and 5 times powers of ten, or at powers of ten or a hundred if these are too many; at
+    /// equal steps within one power.
+    fn logarithmic([low, high]: [f64; 2], most_ticks: f64, is_tight: bool, positions: [f64; 2]) -> Self {
         /// Share of the axis that stays clear at either end, and the least ratio of its ends.
         const CLEAR: f64 = 0.1;
         const LEAST_RATIO: f64 = 1.2;
@@ -219,7 +222,13 @@ impl Scale {
         if high / low < CLOSE {
             let step = round_step((high - low) / (most_ticks - 1.0));
             let ticks = (0..=(high / step) as u32).map(|count| f64::from(count) * step).filter(is_inside);
-            return Self { is_logarithmic: true, values: ends, places, ticks: ticks.collect(), decimals: 0 };
+            return Self {
+                is_logarithmic: true,
+                values: ends,
+                positions,
+                ticks: ticks.collect(),
+                decimals: 0,
+            };
         }
         let powers = (ends[0].floor() as i32, ends[1].ceil() as i32);
         let choices: [(&[f64], usize); 5] =
@@ -232,18 +241,18 @@ impl Scale {
         });
         let is_few = |ticks: &&Vec<f64>| ticks.len() as f64 <= most_ticks;
         let ticks = choices.iter().find(is_few).unwrap_or(&choices[choices.len() - 1]).clone();
-        Self { is_logarithmic: true, values: ends, places, ticks, decimals: 0 }
+        Self { is_logarithmic: true, values: ends, positions, ticks, decimals: 0 }
     }
 
-    fn place(&self, value: f64) -> f64 {
+    fn position(&self, value: f64) -> f64 {
         let value = if self.is_logarithmic { value.log10() } else { value };
         let span = self.values[1] - self.values[0];
         let share = if span > 0.0 { (value - self.values[0]) / span } else { 0.0 };
-        self.places[0] + share * (self.places[1] - self.places[0])
+        self.positions[0] + share * (self.positions[1] - self.positions[0])
     }
 
     fn ticks(&self) -> Vec<Tick> {
-        self.ticks.iter().map(|&value| Tick { at: self.place(value), label: self.label(value) }).collect()
+        self.ticks.iter().map(|&value| Tick { at: self.position(value), label: self.label(value) }).collect()
     }
 
     fn label(&self, value: f64) -> String {
@@ -284,15 +293,15 @@ fn lines(series: &Series, plot: &Plot, x: &Scale, y: &Scale) -> Vec<String> {
     }
     let runs = runs(&series.points, |point| plot.x.has(point[0]) && plot.y.has(point[1]));
     runs.iter()
-        .map(|run| coordinates(run.iter().map(|point| [x.place(point[0]), y.place(point[1])])))
+        .map(|run| coordinates(run.iter().map(|point| [x.position(point[0]), y.position(point[1])])))
         .collect()
 }
 
 fn bands(series: &Series, plot: &Plot, x: &Scale, y: &Scale) -> Vec<String> {
     let shown = |&[at, low, high]: &[f64; 3]| plot.x.has(at) && plot.y.has(low) && plot.y.has(high);
     let outline = |run: &&[[f64; 3]]| {
-        let above = run.iter().map(|&[at, _, high]| [x.place(at), y.place(high)]);
-        let below = run.iter().rev().map(|&[at, low, _]| [x.place(at), y.place(low)]);
+        let above = run.iter().map(|&[at, _, high]| [x.position(at), y.position(high)]);
+        let below = run.iter().rev().map(|&[at, low, _]| [x.position(at), y.position(low)]);
         coordinates(above.chain(below))
     };
     runs(&series.band, shown).iter().map(outline).collect()
@@ -304,7 +313,7 @@ fn dots(series: &Series, plot: &Plot, x: &Scale, y: &Scale) -> Vec<Dot> {
     let dot = |point: &[f64; 2]| {
         let [x_text, y_text] = [point[0], point[1]].map(significant);
         let title = format!("{}: {x_text} {}, {y_text} {}", series.name, plot.x.title, plot.y.title);
-        Dot { at: [x.place(point[0]), y.place(point[1])], title }
+        Dot { at: [x.position(point[0]), y.position(point[1])], title }
     };
     match series.mark {
         Mark::Dots => shown.map(dot).collect(),
@@ -327,24 +336,24 @@ fn name_lines(series: &[Series], drawn: &mut [Drawn], y: &Scale, area: [f64; 4])
         .enumerate()
         .filter(|(at, series)| series.mark != Mark::Dots && !drawn[*at].lines.is_empty())
         .map(|(at, series)| {
-            let mut places = series.points.iter().map(|point| y.place(point[1]));
-            (at, places.rfind(|place| place.is_finite()).unwrap_or(area[3]))
+            let mut positions = series.points.iter().map(|point| y.position(point[1]));
+            (at, positions.rfind(|position| position.is_finite()).unwrap_or(area[3]))
         })
         .collect();
     // From the lowest; of equals the first is above.
     ends.sort_by(|a, b| b.1.total_cmp(&a.1).then(b.0.cmp(&a.0)));
     let mut limit = area[3];
-    for (_, place) in &mut ends {
-        *place = place.min(limit);
-        limit = *place - LINE_HEIGHT;
+    for (_, position) in &mut ends {
+        *position = position.min(limit);
+        limit = *position - LINE_HEIGHT;
     }
     // Those that have been moved out of the plot come back and move the ones below.
     let mut limit = area[1];
-    for (at, place) in ends.into_iter().rev() {
-        let place = place.max(limit);
-        limit = place + LINE_HEIGHT;
+    for (at, position) in ends.into_iter().rev() {
+        let position = position.max(limit);
+        limit = position + LINE_HEIGHT;
         let text = series[at].name.clone();
-        drawn[at].label = Some(Label { at: [area[2] + GAP, place], anchor: "start", text });
+        drawn[at].label = Some(Label { at: [area[2] + GAP, position], anchor: "start", text });
     }
 }
 
@@ -362,7 +371,7 @@ fn name_dots(series: &[Series], drawn: &mut [Drawn], area: [f64; 4]) {
         let width = series.name.chars().count() as f64 * CHARACTER;
         let half = 0.5 * LINE_HEIGHT;
         // Right, left, above and below, then further above and below.
-        let places = [
+        let positions = [
             ([x + GAP, y], "start", 0.0),
             ([x - GAP, y], "end", -width),
             ([x, y - LINE_HEIGHT], "middle", -0.5 * width),
@@ -374,7 +383,7 @@ fn name_dots(series: &[Series], drawn: &mut [Drawn], area: [f64; 4]) {
             ([x, y - 2.0 * LINE_HEIGHT], "middle", -0.5 * width),
             ([x, y + 2.0 * LINE_HEIGHT], "middle", -0.5 * width),
         ];
-        let boxes = places.map(|(at, anchor, shift)| {
+        let boxes = positions.map(|(at, anchor, shift)| {
             let left = at[0] + shift;
             let space = [left, at[1] - half, left + width, at[1] + half];
             let outside =
@@ -439,7 +448,7 @@ mod tests {
         let at: Vec<f64> = wide.x_ticks.iter().map(|tick| tick.at).collect();
         assert!(((at[3] - at[0]) - (at[6] - at[3])).abs() < 1e-9);
         assert!(at[0] > wide.plot[0] && at[6] < wide.plot[2], "a dot touches the end");
-        assert_eq!(wide.series[0].dots.len(), 2, "0 has a place");
+        assert_eq!(wide.series[0].dots.len(), 2, "0 has a position");
         let wider = drawing(&[[0.003, 1.0], [4e7, 1.0]]);
         assert_eq!(labels(&wider.x_ticks), ["0.01", "1", "100", "10000", "1e6", "1e8"]);
         // Within a power of ten.
@@ -496,7 +505,7 @@ mod tests {
         assert_eq!(drawing.series[0].lines.len(), 2);
         let [band] = &drawing.series[0].bands[..] else { panic!("{:?}", drawing.series[0].bands) };
         assert_eq!(band.split(' ').count(), 4);
-        // The band has its place in the plot.
+        // The band has its position in the plot.
         assert_eq!(labels(&drawing.y_ticks), ["0", "1", "2", "3", "4"]);
     }
 

@@ -1,4 +1,5 @@
-//! Machine-readable reports. Names and types are the contract of `report.json` and of what `bench`, `verify` and `devices` write with `--json`.
+//! Machine-readable reports. Names and types are the contract of `report.json` and of what `bench`, `verify`
+//! and `devices` write with `--json`.
 
 use serde::Serialize;
 use sheer_lab::{Measured, Tally, verify::Check};
@@ -50,7 +51,8 @@ pub(crate) struct Comparison {
     pub(crate) rows: Vec<ComparisonRow>,
 }
 
-/// A method in comparison with the reference. Qualities are means over the last half of the frames, when the history has settled.
+/// A method in comparison with the reference. Qualities are means over the last half of the frames, when the
+/// history has settled.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct ComparisonRow {
     pub(crate) method: String,
@@ -63,9 +65,11 @@ pub(crate) struct ComparisonRow {
     pub(crate) ssim: f64,
     /// Of the displayed image; null where it equals the reference.
     pub(crate) psnr_db: Option<f64>,
-    /// Of the differences of successive displayed frames; null where they equal those of the reference, or for one frame.
+    /// Of the differences of successive displayed frames; null where they equal those of the reference, or
+    /// for one frame.
     pub(crate) tpsnr_db: Option<f64>,
-    /// ColorVideoVDP of the displayed clip in just-objectionable differences, 10: no visible one; where it was asked for.
+    /// ColorVideoVDP of the displayed clip in just-objectionable differences, 10: no visible one; where it
+    /// was asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) vdp_jod: Option<f64>,
     /// Of the displayed image; 0: equal.
@@ -80,15 +84,15 @@ pub(crate) struct ComparisonRow {
     pub(crate) shaded_per_pixel: f64,
     /// Hits tested or composited for a pixel of a frame.
     pub(crate) hits_per_pixel: f64,
-    /// What the method stores beyond colour and depth: by its paper on the CPU (of an unbounded one, bytes a fragment times the mean of hits for
-    /// a pixel), what was allocated on a GPU.
+    /// What the method stores beyond colour and depth: by its paper on the CPU (of an unbounded one, bytes a
+    /// fragment times the mean of hits for a pixel), what was allocated on a GPU.
     pub(crate) memory_bytes_per_pixel: f64,
     /// Fragments merged for want of a place, for a pixel of a frame.
     pub(crate) merged_per_pixel: f64,
 }
 
 impl ComparisonRow {
-    /// What is told of a method to programs.
+    /// What programs read of a method.
     pub(crate) fn new(measured: &Measured) -> Self {
         Self {
             method: measured.method.to_string(),
@@ -143,7 +147,8 @@ pub(crate) struct BenchmarkRow {
     pub(crate) shaded: f64,
     /// Million rays a second of tracing and shading.
     pub(crate) mray_per_s: f64,
-    /// The passes of a frame by the GPU's own clock, in order; missing where it has none and on the processor.
+    /// The passes of a frame by the GPU's own clock, in order; missing where it has none and on the
+    /// processor.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(crate) steps: Vec<Step>,
 }

@@ -19,7 +19,8 @@ fn accumulation_shows_the_opacities_and_its_file_corrects_a_method() {
     let folder = tempfile::tempdir().unwrap();
     let arguments = "calibrate -m roulette -a accumulate --size 320x180 --frames 32 -o a.json";
     let opacities = measured(&succeed(folder.path(), arguments).stdout);
-    // Independent pixels, 26 by 84. A frame k counts with the mean of 1/n over those means of n frames, the last 16, that it is in.
+    // Independent pixels, 26 by 84. A frame k counts with the mean of 1/n over those means of n frames, the
+    // last 16, that it is in.
     let weights = (1..=32_u32).map(|k| (k.max(17)..=32).map(|n| 1.0 / f64::from(n)).sum::<f64>() / 16.0);
     let share = weights.map(|weight| weight * weight).sum::<f64>() / (26.0 * 84.0);
     for (level, opacity) in opacities.iter().enumerate() {

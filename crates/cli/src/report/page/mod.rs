@@ -16,7 +16,8 @@ pub(crate) mod calibration;
 pub(crate) mod comparison;
 pub(crate) mod experiments;
 
-/// What all pages have and what they draw with; then the pages. The ending makes the engine escape everything that is not marked as safe.
+/// What all pages have and what they draw with; then the pages. The ending makes the engine escape everything
+/// that is not marked as safe.
 const TEMPLATES: [(&str, &str); 7] = [
     ("base.html", include_str!("base.html")),
     ("parts.html", include_str!("parts.html")),

@@ -115,7 +115,8 @@ fn zoom(visit: &Visit) -> [String; 3] {
     )
 }
 
-/// Whether both sides have the same zoom and place after zooming in, after moving about and after choosing another method.
+/// Whether both sides have the same zoom and place after zooming in, after moving about and after choosing
+/// another method.
 fn zoom_stays_in_step(visit: &Visit) -> bool {
     let mut seen = vec![zoom(visit)];
     visit.click("document.getElementById('zoom-in')");
