@@ -294,7 +294,7 @@ impl Reader<'_> {
             }
             // `use<…>` names what a return type captures.
             TokenTree::Ident(ident) if ident == "use" && !is_punct(tokens, at + 1, '<') => {
-                let length = tokens[at..].iter().position(|token| is_semicolon(token));
+                let length = tokens[at..].iter().position(is_semicolon);
                 let end = length.map_or(tokens.len(), |length| at + length);
                 let is_public = at > 0
                     && (is_word(tokens, at - 1, "pub")
@@ -472,7 +472,7 @@ fn end_of_item(tokens: &[TokenTree], mut at: usize) -> usize {
             TokenTree::Ident(ident) => match ident.to_string().as_str() {
                 "use" | "static" | "type" | "let" if !is_item => (to_semicolon, is_item) = (true, true),
                 "const" if !is_item && !is_word(tokens, at + 1, "fn") => {
-                    (to_semicolon, is_item) = (true, true)
+                    (to_semicolon, is_item) = (true, true);
                 }
                 "fn" | "struct" | "enum" | "impl" | "trait" | "mod" | "macro_rules" => is_item = true,
                 _ => {}
