@@ -118,6 +118,7 @@ impl Clip {
             Ok::<_, LabError>(Shown::new(&planes))
         };
 
+        // Frame by frame, and each held against the reference in the half of the frames that counts.
         let mut records: Vec<Record> = methods.iter().map(|_| Record::default()).collect();
         let timeline = Timeline::of(&self.settings, self.antialiasing, self.frame_count);
         play(backend, stage, &mut pipelines, timeline, |event| {
@@ -142,6 +143,7 @@ impl Clip {
             Ok(())
         })?;
 
+        // What remains to be judged once: the last picture, and the clip as a whole.
         let reference = frame_of(&pipelines[reference_at])?;
         let reference_clip = &records[reference_at].shown;
         let measured = methods.iter().zip(&pipelines).zip(&records).enumerate();

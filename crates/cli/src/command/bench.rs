@@ -28,6 +28,7 @@ impl Task for BenchArguments {
 
 fn bench<B: Backend>(arguments: &BenchArguments, backend: &B) -> anyhow::Result<()> {
     let console = arguments.machine.apply()?;
+    // What can go wrong goes wrong before the first frame.
     let json = arguments.json.as_deref().map(TextOutput::open).transpose()?;
     let html = arguments.html.as_deref().map(TextOutput::open).transpose()?;
     let settings = arguments.light.under(arguments.frames.settings(DEFAULT_SIZE));

@@ -32,6 +32,7 @@ impl Task for CompareArguments {
 
 fn compare<B: Backend>(arguments: &CompareArguments, backend: &B) -> anyhow::Result<()> {
     let console = arguments.machine.apply()?;
+    // What can go wrong goes wrong before the first frame.
     let folder = arguments.output.as_path();
     output::open_folder(folder)?;
     let settings = arguments.light.under(arguments.frames.settings(COMPARE_SIZE));
@@ -45,6 +46,7 @@ fn compare<B: Backend>(arguments: &CompareArguments, backend: &B) -> anyhow::Res
     let antialiasings = without_repeats(&arguments.antialiasings);
     let mut opened = arguments.scene.open(backend, arguments.machine, console)?;
 
+    // All methods play the clip, once under each anti-aliasing.
     let mut measured = Vec::new();
     let bar = console.bar();
     for &antialiasing in &antialiasings {
@@ -54,6 +56,7 @@ fn compare<B: Backend>(arguments: &CompareArguments, backend: &B) -> anyhow::Res
     drop(bar);
     measured.iter().filter_map(overflow_of_reference).for_each(|warning| console.warn(warning));
 
+    // Pictures are encoded once, for their files and for the page.
     let entries = measured.into_iter().map(Entry::new).collect::<anyhow::Result<Vec<_>>>()?;
     for Entry { measured, picture_png, error_png } in &entries {
         let stem = file_name_from(&format!("{}-{}", measured.antialiasing, measured.method));

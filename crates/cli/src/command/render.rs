@@ -29,6 +29,7 @@ fn render<B: Backend>(arguments: &RenderArguments, backend: &B) -> anyhow::Resul
     let console = arguments.machine.apply()?;
     let settings = arguments.light.under(arguments.frames.settings(DEFAULT_SIZE));
     let antialiasing = arguments.antialiasing;
+    // What can go wrong goes wrong before the first frame.
     let path = output_path(arguments)?;
     let output = PictureOutput::from_path(&path);
     let is_sequence = matches!(output, PictureOutput::Sequence { .. });
@@ -41,6 +42,7 @@ fn render<B: Backend>(arguments: &RenderArguments, backend: &B) -> anyhow::Resul
     let mut pipeline = backend.pipeline(&arguments.method, antialiasing, settings)?;
     backend.notes(&pipeline).iter().for_each(|note| console.warn(note));
     let metadata = setup::metadata(backend, &arguments.scene, &arguments.method, antialiasing, &settings);
+    // Frames are written as they come, so that an interrupted sequence keeps those that it has.
     let mut tally = Tally::default();
     let bar = console.bar();
     bar.expect(u64::from(frame_count));

@@ -147,7 +147,8 @@ impl<'b, B: Backend> Sides<'b, B> {
         let (added_up, _) = render(*backend, on_backend, method, Antialiasing::TAA, TAA_FRAMES)?;
         let (expected_sum, _) = render(&Cpu, on_cpu, method, Antialiasing::TAA, TAA_FRAMES)?;
 
-        // Both were advanced by TAA's clock last; edges are those of the single frame.
+        // The single frame: what each pixel shows, and where and how fast that is. Both sides were advanced by
+        // TAA's clock last, but edges are those of that frame.
         on_cpu.advance(Clock::new(&settings(0), Antialiasing::NONE).at(0));
         let tolerance = Tolerance::of(method);
         let single = Disagreement::measure(on_cpu, &expected, &found, tolerance)?;
@@ -159,6 +160,8 @@ impl<'b, B: Backend> Sides<'b, B> {
                 "{scene}: {method} had no place for {overflow:.2} fragments a pixel and summed them up"
             ));
         }
+
+        // What TAA makes of several frames: colours alone, as everything else is of the last one.
         let over_time = Tolerance { colour_share: TAA_SHARE, inside_share: None, ..tolerance };
         let sum = Disagreement::measure(on_cpu, &expected_sum, &added_up, over_time)?;
 
