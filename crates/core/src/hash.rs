@@ -47,6 +47,7 @@ pub const fn pcg2d([mut x, mut y]: [u32; 2]) -> [u32; 2] {
 /// Hash of three numbers to three, a bijection: `pcg3d` of Jarzynski and Olano 2020. Their choice for speed
 /// and quality.
 #[must_use]
+#[inline]
 pub const fn pcg3d([mut x, mut y, mut z]: [u32; 3]) -> [u32; 3] {
     x = lcg(x);
     y = lcg(y);
@@ -85,6 +86,7 @@ pub const fn pcg4d([mut x, mut y, mut z, mut w]: [u32; 4]) -> [u32; 4] {
     [x, y, z, w]
 }
 
+#[inline]
 const fn lcg(v: u32) -> u32 {
     v.wrapping_mul(LCG_MULTIPLIER).wrapping_add(LCG_INCREMENT)
 }
@@ -92,6 +94,7 @@ const fn lcg(v: u32) -> u32 {
 /// Random bits as a number in [0, 1): the top 24 bits, which a 32-bit float holds exactly, so that 1 never
 /// comes out.
 #[must_use]
+#[inline]
 pub const fn unit_from_bits(bits: u32) -> f32 {
     (bits >> 8) as f32 * UNIT_STEP
 }

@@ -1,8 +1,13 @@
 //! Puts a scene together: hands out indices and object ids, so that the scenes themselves speak of things.
+//!
+//! Kits bring whole palettes of materials, of which a scene uses a few, and painting their textures takes
+//! longer than all the rest. So a texture comes as the function that paints it: [`SceneBuilder::finish`]
+//! leaves out what no surface has, and paints what is left in parallel.
 
-use std::sync::Arc;
+use std::{mem, sync::Arc};
 
 use glam::{Affine3A, Mat3, Quat, Vec3};
+use rayon::prelude::*;
 use sheer_image::Image;
 use sheer_scene::{
     Scene, SceneError,
@@ -15,11 +20,29 @@ use sheer_scene::{
     particle::ParticleSystem,
 };
 
-use crate::shape::{Model, Shape};
+use crate::{
+    paint::Painting,
+    shape::{Model, Shape},
+};
+
+/// Paints images that belong together, of the same surface.
+type Painter = Box<dyn FnOnce() -> Vec<Image<[u8; 4]>> + Send>;
 
 /// A scene in the making.
 pub(crate) struct SceneBuilder {
+    /// Everything but the textures.
     parts: SceneParts,
+    textures: Vec<PlannedTexture>,
+    paintings: Vec<Painter>,
+}
+
+/// A texture whose image is painted once it is known that something shows it.
+struct PlannedTexture {
+    name: String,
+    srgb: bool,
+    /// Index of the function that paints it, and which of the function's images it is.
+    painting: usize,
+    layer: usize,
 }
 
 /// Meshes that are placed together.
@@ -33,19 +56,44 @@ impl SceneBuilder {
     pub(crate) fn new(name: &str, environment: Environment) -> Self {
         Self {
             parts: SceneParts { name: name.to_owned(), exposure: 1.0, environment, ..SceneParts::default() },
+            textures: Vec::new(),
+            paintings: Vec::new(),
         }
     }
 
-    /// Adds a tiling texture; returns its index.
-    pub(crate) fn texture(&mut self, name: &str, image: Image<[u8; 4]>, srgb: bool) -> u32 {
-        self.parts.textures.push(Texture {
-            name: name.to_owned(),
-            image: Arc::new(image),
-            srgb,
-            wrap: [Wrap::Repeat; 2],
-            filter: Filter::Linear,
-        });
-        self.parts.textures.len() as u32 - 1
+    /// Adds a tiling texture of sRGB colours; returns its index. It is painted only if something shows it.
+    pub(crate) fn texture(
+        &mut self,
+        name: &str,
+        paint: impl FnOnce() -> Image<[u8; 4]> + Send + 'static,
+    ) -> u32 {
+        self.paintings.push(Box::new(move || vec![paint()]));
+        self.plan_texture(name.to_owned(), true, 0)
+    }
+
+    /// Adds the three tiling textures of a painted surface; returns the indices of its colours, its normals,
+    /// and its occlusion and roughness. They are painted only if something shows them.
+    pub(crate) fn painted_surface(
+        &mut self,
+        name: &str,
+        paint: impl FnOnce() -> Painting + Send + 'static,
+    ) -> [u32; 3] {
+        self.paintings.push(Box::new(move || {
+            let Painting { colour, normal, surface } = paint();
+            vec![colour, normal, surface]
+        }));
+        let layers = [("colour", true), ("normal", false), ("surface", false)];
+        std::array::from_fn(|layer| {
+            let (kind, srgb) = layers[layer];
+            self.plan_texture(format!("{name} {kind}"), srgb, layer)
+        })
+    }
+
+    /// A texture of the last function.
+    fn plan_texture(&mut self, name: String, srgb: bool, layer: usize) -> u32 {
+        let painting = self.paintings.len() - 1;
+        self.textures.push(PlannedTexture { name, srgb, painting, layer });
+        self.textures.len() as u32 - 1
     }
 
     /// Adds a material; returns its index.
@@ -95,7 +143,8 @@ impl SceneBuilder {
         node
     }
 
-    /// Places a model as one object that sways: `poses` are the model at rest and then with each weight of the node at 1, vertex by vertex.
+    /// Places a model as one object that sways: `poses` are the model at rest and then with each weight of
+    /// the node at 1, vertex by vertex.
     pub(crate) fn sway(&mut self, name: &str, node: u32, poses: &[Model]) {
         let Some((rest, extremes)) = poses.split_first() else { return };
         let prop = self.prop(name, rest.clone());
@@ -143,8 +192,8 @@ impl SceneBuilder {
         joint
     }
 
-    /// Hangs a model on a chain of joints that bends it: `influences` says of a vertex which joints pull at it, `origin_in_object` where
-    /// each joint lies in the space of the model.
+    /// Hangs a model on a chain of joints that bends it: `influences` says of a vertex which joints pull at
+    /// it, `origin_in_object` where each joint lies in the space of the model.
     pub(crate) fn drape(
         &mut self,
         name: &str,
@@ -168,6 +217,7 @@ impl SceneBuilder {
         self.parts.instances[first..].iter_mut().for_each(|instance| instance.skin = skin);
     }
 
+    /// Adds an animation; it loops by its own duration.
     pub(crate) fn animate(&mut self, animation: Animation) {
         self.parts.animations.push(animation);
     }
@@ -189,7 +239,8 @@ impl SceneBuilder {
         self.light("sun", node, illuminance, LightKind::Directional);
     }
 
-    /// Adds a spotlight that looks at a point, in candela; its cone is full inside the first angle and ends at the second.
+    /// Adds a spotlight that looks at a point, in candela; its cone is full inside the first angle and ends
+    /// at the second.
     pub(crate) fn spot(&mut self, name: &str, at: Vec3, target: Vec3, candela: Vec3, cones_rad: [f32; 2]) {
         let node = self.aimed(name, at, at - target);
         let [inner_cone_rad, outer_cone_rad] = cones_rad;
@@ -211,11 +262,12 @@ impl SceneBuilder {
         self.lamp_on(name, node, candela, range);
     }
 
-    /// The same on a node that moves.
+    /// Adds a lamp that shines all around, in candela, on a node that may move.
     pub(crate) fn lamp_on(&mut self, name: &str, node: u32, candela: Vec3, range: f32) {
         self.light(name, node, candela, LightKind::Point { range });
     }
 
+    /// Adds a particle system.
     pub(crate) fn particles(&mut self, system: ParticleSystem) {
         self.parts.particles.push(system);
     }
@@ -225,8 +277,60 @@ impl SceneBuilder {
         self.parts.cameras.push(camera);
     }
 
-    pub(crate) fn finish(self) -> Result<Scene, SceneError> {
+    /// Leaves out what nothing shows, paints the textures and validates the scene.
+    pub(crate) fn finish(mut self) -> Result<Scene, SceneError> {
+        self.drop_unused_materials();
+        self.paint_used_textures();
         Scene::new(self.parts)
+    }
+
+    /// Drops the materials that neither a mesh nor a particle has; the others keep their order.
+    fn drop_unused_materials(&mut self) {
+        let SceneParts { materials, meshes, particles, .. } = &mut self.parts;
+        let of_meshes = meshes.iter_mut().map(|mesh| &mut mesh.material);
+        let of_particles = particles.iter_mut().map(|system| &mut system.material);
+        *materials = keep_used(mem::take(materials), of_meshes.chain(of_particles).collect());
+    }
+
+    /// Paints the textures that the materials have and drops the others.
+    fn paint_used_textures(&mut self) {
+        // Textures that no material has are dropped before anything is painted.
+        let references = self.parts.materials.iter_mut().flat_map(|material| {
+            let Material {
+                base_colour_texture,
+                metallic_roughness_texture,
+                normal_texture,
+                occlusion_texture,
+                emissive_texture,
+                ..
+            } = material;
+            [
+                base_colour_texture,
+                metallic_roughness_texture,
+                normal_texture,
+                occlusion_texture,
+                emissive_texture,
+            ]
+        });
+        let indices = references.flatten().map(|reference| &mut reference.texture).collect();
+        let planned = keep_used(mem::take(&mut self.textures), indices);
+
+        // One painting may be several textures: each is painted once, side by side with the others.
+        let mut used = vec![false; self.paintings.len()];
+        planned.iter().for_each(|texture| used[texture.painting] = true);
+        let paintings = mem::take(&mut self.paintings).into_par_iter().zip(used);
+        let images: Vec<Vec<Arc<Image<[u8; 4]>>>> = paintings
+            .map(|(paint, used)| if used { paint().into_iter().map(Arc::new).collect() } else { Vec::new() })
+            .collect();
+        // What was planned becomes what the scene holds.
+        let painted = |texture: PlannedTexture| Texture {
+            name: texture.name,
+            image: Arc::clone(&images[texture.painting][texture.layer]),
+            srgb: texture.srgb,
+            wrap: [Wrap::Repeat; 2],
+            filter: Filter::Linear,
+        };
+        self.parts.textures = planned.into_iter().map(painted).collect();
     }
 
     fn node(&mut self, name: &str, transform: Transform) -> u32 {
@@ -239,6 +343,23 @@ impl SceneBuilder {
     }
 }
 
+/// The items that an index refers to, in their order; the indices follow them.
+fn keep_used<T>(items: Vec<T>, indices: Vec<&mut u32>) -> Vec<T> {
+    let mut used = vec![false; items.len()];
+    indices.iter().for_each(|index| used[**index as usize] = true);
+    let mut next = 0;
+    let renumbered: Vec<u32> = used
+        .iter()
+        .map(|&used| {
+            let index = next;
+            next += u32::from(used);
+            index
+        })
+        .collect();
+    indices.into_iter().for_each(|index| *index = renumbered[*index as usize]);
+    items.into_iter().zip(used).filter_map(|(item, used)| used.then_some(item)).collect()
+}
+
 fn mesh(name: &str, material: u32, shape: Shape) -> Mesh {
     Mesh {
         name: name.to_owned(),
@@ -249,5 +370,32 @@ fn mesh(name: &str, material: u32, shape: Shape) -> Mesh {
         colours: shape.colours,
         indices: shape.indices,
         ..Mesh::default()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use sheer_scene::model::TextureRef;
+
+    use super::*;
+
+    #[test]
+    fn what_nothing_shows_is_neither_kept_nor_painted() {
+        let mut builder = SceneBuilder::new("test", Environment::black());
+        let unseen = builder.texture("unseen", || unreachable!("nothing shows it"));
+        let seen = builder.texture("seen", || Image::from_fn(2, 2, |_, _| [1, 2, 3, 255]).unwrap());
+        let [_, material] = [unseen, seen].map(|texture| {
+            let base_colour_texture = Some(TextureRef::new(texture));
+            builder.material(Material { base_colour_texture, ..Material::default() })
+        });
+        let mut model = Model::default();
+        model.paint(material, Vec3::ONE).panel(Vec3::ZERO, Vec3::X, Vec3::Y);
+        builder.put("panel", model);
+
+        let scene = builder.finish().unwrap();
+        let [material] = scene.parts().materials.as_slice() else { panic!("one is shown") };
+        let [texture] = scene.parts().textures.as_slice() else { panic!("one is shown") };
+        assert_eq!((scene.parts().meshes[0].material, texture.name.as_str()), (0, "seen"));
+        assert_eq!(material.base_colour_texture, Some(TextureRef::new(0)));
     }
 }

@@ -95,7 +95,8 @@ pub fn catalogue() -> &'static [BuiltinInfo] {
 /// Builds a scene from `name` or `name:key=value,key=value`.
 ///
 /// # Errors
-/// [`GalleryError::Unknown`] if no scene has that name; [`GalleryError::Parameter`] with what is allowed if a key or a value is off.
+/// [`GalleryError::Unknown`] if no scene has that name; [`GalleryError::Parameter`] with what is allowed if a
+/// key or a value is off.
 pub fn build(text: &str) -> Result<Scene, GalleryError> {
     let (name, settings) = split_name(text);
     let info = catalogue()

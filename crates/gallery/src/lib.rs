@@ -1,12 +1,14 @@
 //! Built-in scenes, made from seeded parts so that the same text gives the same bits everywhere.
 //!
-//! [`open`] takes what a user writes: a name with parameters, or the path of a file. [`catalogue`] lists what there is, one row a scene.
+//! [`open`] takes what a user writes: a name with parameters, or the path of a file. [`catalogue`] lists what
+//! there is, one row a scene.
 //!
-//! A scene is a file of `scene`, or a folder where it has parts of its own, and a row of the catalogue: its description, its parameters and
-//! the function that builds it. What scenes share are kits: in `kit`, `palette` holds the materials of the town, `house`, `foliage`,
-//! `furniture`, `square` and `smoke` are what stands in it; `hair`, `body`, `girl`, `grass` and `wind` make what grows and sways, and
-//! `mechanical` what is turned, milled and bent. Below both, `builder` puts parts together, `shape` models, `paint` makes textures, `rng`
-//! draws random numbers.
+//! A scene is a file of `scene`, or a folder where it has parts of its own, and a row of the catalogue: its
+//! description, its parameters and the function that builds it. What scenes share are kits: in `kit`,
+//! `palette` holds the materials of the town, `house`, `leaf`, `foliage`, `furniture`, `square` and `smoke`
+//! are what stands in it; `hair`, `body`, `girl`, `grass` and `wind` make what grows and sways, and
+//! `mechanical` what is turned, milled and bent. Below both, `builder` puts parts together, `shape` models,
+//! `paint` makes textures, `rng` draws random numbers.
 
 mod builder;
 mod catalogue;

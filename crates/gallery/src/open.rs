@@ -4,7 +4,8 @@ use sheer_scene::{Loaded, SceneError};
 
 use crate::{catalogue::build, error::GalleryError};
 
-/// Opens a scene: a built-in by name, with parameters as `layers:count=8,alpha=0.2`, or a `.gltf` or `.glb` file by path.
+/// Opens a scene: a built-in by name, with parameters as `layers:count=8,alpha=0.2`, or a `.gltf` or `.glb`
+/// file by path.
 ///
 /// # Errors
 /// [`GalleryError`] says what is wrong, where, and what to do.

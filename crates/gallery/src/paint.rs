@@ -1,6 +1,6 @@
 //! Procedural textures: tiling noise, and images made of height, colour, roughness and occlusion at once.
 
-use std::f32::consts::FRAC_1_SQRT_2;
+use std::{f32::consts::FRAC_1_SQRT_2, sync::LazyLock};
 
 use glam::{IVec2, Vec2, Vec3};
 use sheer_core::{
@@ -12,7 +12,7 @@ use sheer_image::Image;
 /// A surface at one point of a texture.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Texel {
-    /// Linear straight colour.
+    /// Linear colour, not multiplied by alpha.
     pub(crate) colour: Vec3,
     /// Opacity or cut-out, 0 to 1.
     pub(crate) alpha: f32,
@@ -40,7 +40,8 @@ pub(crate) struct Painting {
     pub(crate) surface: Image<[u8; 4]>,
 }
 
-/// Paints a square tiling texture; `texel` is asked at points of the unit square, origin in the upper left corner.
+/// Paints a square tiling texture; `texel` is asked at points of the unit square, origin in the upper left
+/// corner.
 pub(crate) fn paint(size: u32, texel: impl Fn(Vec2) -> Texel + Sync) -> Painting {
     let at = |x: u32, y: u32| texel((Vec2::new(x as f32, y as f32) + 0.5) / size as f32);
     let texels = Image::par_from_fn(size, size, at).expect("small");
@@ -67,8 +68,52 @@ pub(crate) fn paint_colour(size: u32, texel: impl Fn(Vec2) -> (Vec3, f32) + Sync
 }
 
 fn colour_bytes(linear: Vec3, alpha: f32) -> [u8; 4] {
-    let channel = |value: f32| byte(srgb_from_linear(value.clamp(0.0, 1.0)));
-    [channel(linear.x), channel(linear.y), channel(linear.z), byte(alpha)]
+    let [r, g, b] = linear.to_array().map(srgb_byte);
+    [r, g, b, byte(alpha)]
+}
+
+/// The byte that stands for a linear value, by its definition.
+fn srgb_byte_exactly(linear: f32) -> u8 {
+    byte(srgb_from_linear(linear.clamp(0.0, 1.0)))
+}
+
+/// The same byte without a power for each texel: the byte at the lower end of a step of values, counted on
+/// while the value reaches what the next byte begins with.
+fn srgb_byte(linear: f32) -> u8 {
+    /// Steps of values: so many that none holds the beginnings of two bytes, even where the curve is
+    /// steepest.
+    const STEP_COUNT: usize = 4096;
+    struct Table {
+        /// The byte at the lower end of each step.
+        byte: Vec<u8>,
+        /// The least value of each byte after 0.
+        begins: Vec<f32>,
+    }
+    static TABLE: LazyLock<Table> = LazyLock::new(|| Table {
+        byte: (0..=STEP_COUNT).map(|step| srgb_byte_exactly(step as f32 / STEP_COUNT as f32)).collect(),
+        begins: (1..=255)
+            .map(|wanted| {
+                // Positive floats are in the order of their bits.
+                let (mut below, mut reached) = (0, 1.0_f32.to_bits());
+                while reached - below > 1 {
+                    let middle = below + (reached - below) / 2;
+                    if srgb_byte_exactly(f32::from_bits(middle)) < wanted {
+                        below = middle;
+                    } else {
+                        reached = middle;
+                    }
+                }
+                f32::from_bits(reached)
+            })
+            .collect(),
+    });
+    let value = linear.clamp(0.0, 1.0);
+    let table = &*TABLE;
+    let mut byte = table.byte[(value * STEP_COUNT as f32) as usize];
+    while table.begins.get(usize::from(byte)).is_some_and(|&begin| value >= begin) {
+        byte += 1;
+    }
+    byte
 }
 
 fn byte(value: f32) -> u8 {
@@ -106,7 +151,7 @@ pub(crate) struct Noise {
     pub(crate) seed: u32,
 }
 
-/// What [`Noise::cells`] finds.
+/// What cellular noise has at a point (see [`Noise::cells`]).
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Cell {
     /// Distance to the nearest feature point, in cells.
@@ -120,19 +165,25 @@ pub(crate) struct Cell {
 impl Noise {
     /// Gradient noise (Perlin 2002) in about -1 to 1 at `p` in cells, repeating after `period` cells.
     pub(crate) fn gradient(self, p: Vec2, period: IVec2) -> f32 {
-        let cell = p.floor();
-        let f = p - cell;
+        let cell = floor(p);
+        let f = p - cell.as_vec2();
         let fade = f * f * f * (f * (f * 6.0 - 15.0) + 10.0);
-        let corner = |dx: i32, dy: i32| {
-            let direction = self.hash(cell.as_ivec2() + IVec2::new(dx, dy), period, 0) >> 28;
-            Vec2::from_array(DIRECTIONS[direction as usize]).dot(f - Vec2::new(dx as f32, dy as f32))
+        // The four corners share what wrapping costs.
+        let low = wrapped(cell, period);
+        let high = wrapped(low + 1, period);
+        let corner = |x: i32, y: i32, dx: f32, dy: f32| {
+            let direction = self.hash(IVec2::new(x, y), 0) >> 28;
+            Vec2::from_array(DIRECTIONS[direction as usize]).dot(f - Vec2::new(dx, dy))
         };
-        let top = corner(0, 0) + (corner(1, 0) - corner(0, 0)) * fade.x;
-        let bottom = corner(0, 1) + (corner(1, 1) - corner(0, 1)) * fade.x;
+        let [upper_left, upper_right] = [corner(low.x, low.y, 0.0, 0.0), corner(high.x, low.y, 1.0, 0.0)];
+        let [lower_left, lower_right] = [corner(low.x, high.y, 0.0, 1.0), corner(high.x, high.y, 1.0, 1.0)];
+        let top = upper_left + (upper_right - upper_left) * fade.x;
+        let bottom = lower_left + (lower_right - lower_left) * fade.x;
         1.6 * (top + (bottom - top) * fade.y)
     }
 
-    /// Octaves of gradient noise, each of half the size and half the strength, over the unit square of `uv`; about -1 to 1.
+    /// Octaves of gradient noise, each of half the size and half the strength, over the unit square of `uv`;
+    /// about -1 to 1.
     pub(crate) fn fractal(self, uv: Vec2, cell_count: IVec2, octave_count: u32) -> f32 {
         let mut sum = 0.0;
         for octave in 0..octave_count {
@@ -143,19 +194,21 @@ impl Noise {
         sum * 0.65
     }
 
-    /// Cellular noise (Worley 1996) with feature points moved from the middles of their cells by up to `jitter`/2 cells.
+    /// Cellular noise (Worley 1996) with feature points moved from the middles of their cells by up to
+    /// `jitter`/2 cells.
     pub(crate) fn cells(self, p: Vec2, period: IVec2, jitter: f32) -> Cell {
-        let cell = p.floor().as_ivec2();
+        let cell = floor(p);
         let mut best = (f32::MAX, Vec2::ZERO, 0.0);
         let mut found = [Vec2::ZERO; 9];
         for (slot, (dy, dx)) in found.iter_mut().zip((-1..=1).flat_map(|dy| (-1..=1).map(move |dx| (dy, dx))))
         {
             let at = cell + IVec2::new(dx, dy);
-            let moved = Vec2::new(self.lattice(at, period, 1), self.lattice(at, period, 2)) - 0.5;
+            let point = wrapped(at, period);
+            let moved = Vec2::new(self.unit(point, 1), self.unit(point, 2)) - 0.5;
             let offset = p - (at.as_vec2() + 0.5 + moved * jitter);
             *slot = offset;
             if offset.length_squared() < best.0 {
-                best = (offset.length_squared(), offset, self.lattice(at, period, 3));
+                best = (offset.length_squared(), offset, self.unit(point, 3));
             }
         }
         let (distance_squared, offset, id) = best;
@@ -169,15 +222,36 @@ impl Noise {
         Cell { nearest: distance_squared.sqrt(), border, id }
     }
 
-    /// 0 to 1 at a lattice point.
+    /// A number in [0, 1) for each lattice point and channel, repeating after `period` points.
     pub(crate) fn lattice(self, at: IVec2, period: IVec2, channel: u32) -> f32 {
-        unit_from_bits(self.hash(at, period, channel))
+        self.unit(wrapped(at, period), channel)
     }
 
-    fn hash(self, at: IVec2, period: IVec2, channel: u32) -> u32 {
-        let wrapped = at.rem_euclid(period);
-        pcg3d([wrapped.x as u32, wrapped.y as u32, self.seed.wrapping_add(channel << 24)])[0]
+    /// The number of a lattice point that lies within the period.
+    #[inline]
+    fn unit(self, point: IVec2, channel: u32) -> f32 {
+        unit_from_bits(self.hash(point, channel))
     }
+
+    #[inline]
+    fn hash(self, point: IVec2, channel: u32) -> u32 {
+        pcg3d([point.x as u32, point.y as u32, self.seed.wrapping_add(channel << 24)])[0]
+    }
+}
+
+/// A lattice point moved by whole periods to where both coordinates are from 0 to the period, exclusive.
+#[inline]
+fn wrapped(at: IVec2, period: IVec2) -> IVec2 {
+    // Nearly all points lie within the period already, and a division costs more than the hash.
+    let wrap = |at: i32, period: i32| if (at as u32) < period as u32 { at } else { at.rem_euclid(period) };
+    IVec2::new(wrap(at.x, period.x), wrap(at.y, period.y))
+}
+
+/// The next lower whole numbers, without the library call that `f32::floor` is on a plain x86-64.
+#[inline]
+fn floor(p: Vec2) -> IVec2 {
+    let truncated = p.as_ivec2();
+    truncated - IVec2::new(i32::from(truncated.x as f32 > p.x), i32::from(truncated.y as f32 > p.y))
 }
 
 /// 0 below `low`, 1 above `high`, smooth between.
@@ -188,6 +262,8 @@ pub(crate) fn smoothstep(low: f32, high: f32, value: f32) -> f32 {
 
 #[cfg(test)]
 mod tests {
+    use sheer_core::colour::linear_from_srgb;
+
     use super::*;
 
     #[test]
@@ -207,6 +283,19 @@ mod tests {
             extremes.0 > -1.3 && extremes.0 < -0.5 && extremes.1 > 0.5 && extremes.1 < 1.3,
             "{extremes:?}"
         );
+    }
+
+    #[test]
+    fn the_table_of_bytes_gives_what_the_definition_gives() {
+        let evenly = (0..=100_000).map(|step| step as f32 / 100_000.0 * 1.2 - 0.1);
+        // Where one byte ends and the next begins, to the last bit.
+        let ends = (1..=255).flat_map(|byte: u8| {
+            let middle = linear_from_srgb((f32::from(byte) - 0.5) / 255.0);
+            (0..64).map(move |bits| f32::from_bits(middle.to_bits() - 32 + bits))
+        });
+        for value in evenly.chain(ends).chain([0.0, 1.0, f32::MIN_POSITIVE]) {
+            assert_eq!(srgb_byte(value), srgb_byte_exactly(value), "{value}");
+        }
     }
 
     #[test]

@@ -1,4 +1,5 @@
-//! The one source of randomness in built-in scenes: seeded streams, one for each thing, so that a change to the trees leaves the houses alone.
+//! The one source of randomness in built-in scenes: seeded streams, one for each thing, so that a change to
+//! the trees leaves the houses alone.
 
 use std::f32::consts::TAU;
 
@@ -7,31 +8,33 @@ use sheer_core::hash::{Pcg32, fnv1a};
 
 /// A seeded random stream.
 pub(crate) struct Rng {
-    random: Pcg32,
+    generator: Pcg32,
 }
 
 impl Rng {
     /// The stream of the thing called `purpose`.
     pub(crate) fn new(seed: u32, purpose: &str) -> Self {
-        Self { random: Pcg32::new(u64::from(seed), fnv1a(purpose.bytes())) }
+        Self { generator: Pcg32::new(u64::from(seed), fnv1a(purpose.bytes())) }
     }
 
-    /// 0 to 1.
+    /// Uniform in [0, 1).
     pub(crate) fn unit(&mut self) -> f32 {
-        self.random.next_f32()
+        self.generator.next_f32()
     }
 
+    /// Uniform in [`low`, `high`).
     pub(crate) fn between(&mut self, low: f32, high: f32) -> f32 {
-        self.random.range(low, high)
+        self.generator.range(low, high)
     }
 
-    /// `value`, give or take `spread`.
+    /// Uniform around `value`, at most `spread` away from it.
     pub(crate) fn about(&mut self, value: f32, spread: f32) -> f32 {
         self.between(value - spread, value + spread)
     }
 
+    /// A whole number, uniform from 0 to `count - 1`.
     pub(crate) fn below(&mut self, count: u32) -> u32 {
-        self.random.below(count)
+        self.generator.below(count)
     }
 
     /// True with this probability.
@@ -39,6 +42,7 @@ impl Rng {
         self.unit() < probability
     }
 
+    /// One of the choices, each as likely as the others; there must be one at least.
     pub(crate) fn pick<'a, T>(&mut self, choices: &'a [T]) -> &'a T {
         &choices[self.below(choices.len() as u32) as usize]
     }

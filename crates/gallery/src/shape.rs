@@ -1,12 +1,15 @@
-//! Modelling: quads, blocks, lathes and tubes, with texture coordinates in metres so that nothing is ever stretched.
+//! Modelling: quads, blocks, lathes and tubes, with texture coordinates in metres so that nothing is ever
+//! stretched.
 //!
-//! Unless a texture is fitted to a surface, texture coordinates are metres along it (v downwards), and the material scales metres to tiles.
+//! Unless a texture is fitted to a surface, texture coordinates are metres along it (v downwards), and the
+//! material scales metres to tiles.
 
 use std::{collections::BTreeMap, f32::consts::TAU};
 
 use glam::{Affine3A, Mat3A, Vec2, Vec3, Vec4};
 
-/// Triangles in the making. `brush` is the linear colour that new vertices get, as a factor on the material's own.
+/// Triangles in the making. `brush` is the linear colour that new vertices get, as a factor on the material's
+/// own.
 #[derive(Clone, Debug)]
 pub(crate) struct Shape {
     pub(crate) positions: Vec<Vec3>,
@@ -87,7 +90,8 @@ impl Model {
         }
     }
 
-    /// Multiplies every vertex colour by what `factor` says of its position and normal: baked occlusion and dirt.
+    /// Multiplies every vertex colour by what `factor` says of its position and normal: baked occlusion and
+    /// dirt.
     pub(crate) fn shade(&mut self, factor: impl Fn(Vec3, Vec3) -> f32) {
         for shape in self.shapes.values_mut() {
             shape.shade(&factor);
@@ -135,7 +139,8 @@ impl Shape {
         self.indices.extend([[first, first + 1, first + 2], [first, first + 2, first + 3]]);
     }
 
-    /// A flat polygon of four corners (lower left, lower right, upper right, upper left) with texture coordinates in metres.
+    /// A flat polygon of four corners (lower left, lower right, upper right, upper left) with texture
+    /// coordinates in metres.
     pub(crate) fn quad(&mut self, corners: [Vec3; 4]) {
         let along = (corners[1] - corners[0]).normalize_or(Vec3::X);
         let normal = (corners[2] - corners[0]).cross(corners[3] - corners[1]).normalize_or(Vec3::Y);
@@ -193,8 +198,8 @@ impl Shape {
         self.box_of(from - 0.5 * across - 0.5 * out, across, along, out);
     }
 
-    /// A surface of revolution around +Y through `centre`: `profile` is (radius, height) from the bottom outwards to the top. Sharp where
-    /// the profile turns by more than about 40 degrees, smooth elsewhere.
+    /// A surface of revolution around +Y through `centre`: `profile` is (radius, height) from the bottom
+    /// outwards to the top. Sharp where the profile turns by more than about 40 degrees, smooth elsewhere.
     pub(crate) fn lathe(&mut self, centre: Vec3, profile: &[(f32, f32)], segment_count: u32) {
         let widest = profile.iter().fold(0.0_f32, |widest, point| widest.max(point.0));
         let slope = |i: usize| {

@@ -1,4 +1,5 @@
-//! A body out of round parts that flow into one another: a signed distance to hold hairs off it, and meshes to draw what lies under them.
+//! A body out of round parts that flow into one another: a signed distance to hold hairs off it, and meshes
+//! to draw what lies under them.
 
 use std::f32::consts::PI;
 
@@ -6,10 +7,10 @@ use glam::{Affine3A, Quat, Vec3};
 
 use crate::{rng::Rng, shape::Shape};
 
-/// A round part.
+/// One of the round parts that a body is blended from.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Form {
-    /// Along the axes.
+    /// An ellipsoid whose axes are those of the space.
     Ellipsoid { centre: Vec3, radii: Vec3 },
     /// A limb from one ball to another.
     Limb { from: Vec3, to: Vec3, radius_from: f32, radius_to: f32 },
@@ -24,7 +25,8 @@ pub(crate) struct Field {
 }
 
 impl Form {
-    /// For an ellipsoid the first-order estimate of the distance: exact on the surface, too small elsewhere.
+    /// Distance from a point to the surface, and its gradient. Of an ellipsoid it is the first-order
+    /// estimate: exact on the surface, too small elsewhere.
     pub(crate) fn field(self, p: Vec3) -> Field {
         match self {
             Self::Ellipsoid { centre, radii } => {
@@ -43,7 +45,7 @@ impl Form {
         }
     }
 
-    /// Roughly.
+    /// Area of the surface, roughly: it shares out points among parts that overlap anyway.
     fn area(self) -> f32 {
         match self {
             Self::Ellipsoid { radii, .. } => {
@@ -60,7 +62,8 @@ impl Form {
     fn scatter(self, rng: &mut Rng) -> Vec3 {
         match self {
             Self::Ellipsoid { centre, radii } => loop {
-                // What the stretched ball has in excess of the ellipsoid's area around a point is thinned out.
+                // What the stretched ball has in excess of the ellipsoid's area around a point is thinned
+                // out.
                 let direction = rng.direction();
                 let stretch = (direction / radii).length() * radii.min_element();
                 if rng.happens(stretch) {
@@ -125,12 +128,14 @@ pub(crate) struct Body {
 }
 
 impl Body {
-    /// Smooth union of the parts: where two are about as near, the surface bulges by up to a quarter of `blend`.
+    /// Smooth union of the parts: where two are about as near, the surface bulges by up to a quarter of
+    /// `blend`.
     pub(crate) fn field(&self, p: Vec3) -> Field {
         let mut sum = self.forms[0].field(p);
         for form in &self.forms[1..] {
             let next = form.field(p);
-            // Share of the next part: 0 where the others are nearer by `blend`, 1 where it is (a quadratic smooth minimum).
+            // Share of the next part: 0 where the others are nearer by `blend`, 1 where it is (a quadratic
+            // smooth minimum).
             let share = (0.5 + 0.5 * (sum.distance - next.distance) / self.blend).clamp(0.0, 1.0);
             let bulge = self.blend * share * (1.0 - share);
             let distance = sum.distance + (next.distance - sum.distance) * share - bulge;
@@ -203,7 +208,8 @@ mod tests {
         for form in [ball, limb] {
             let body = Body { forms: vec![form], blend: 0.01 };
             let mut rng = Rng::new(6, "even");
-            // Bands of equal height hold equal areas of a ball (Archimedes): chi-square with nine degrees of freedom, 27.9 at 0.1 %.
+            // Bands of equal height hold equal areas of a ball (Archimedes): chi-square with nine degrees of
+            // freedom, 27.9 at 0.1 %.
             let mut bands = [0.0_f32; 10];
             for _ in 0..5000 {
                 let (point, _) = body.surface_point(&mut rng);

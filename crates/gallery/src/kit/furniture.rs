@@ -1,4 +1,5 @@
-//! What stands in the square: fountain, lamp posts, benches, barrels, crates, a stall, a fire bowl. Each stands at the origin.
+//! What stands in the square: fountain, lamp posts, benches, barrels, crates, a stall, a fire bowl. Each
+//! stands at the origin.
 
 use std::f32::consts::TAU;
 
@@ -6,10 +7,7 @@ use glam::{Affine3A, Quat, Vec2, Vec3};
 use sheer_core::colour::linear_from_hex;
 
 use crate::{
-    kit::{
-        foliage::{Cluster, planting},
-        palette::Palette,
-    },
+    kit::{foliage::planting, leaf::Cluster, palette::Palette},
     rng::Rng,
     shape::Model,
 };
@@ -28,9 +26,11 @@ fn around(turn: f32, radius: f32, height: f32) -> Vec3 {
 /// A round basin on two steps, with a column that carries a bowl and an urn.
 pub(crate) fn fountain(palette: &Palette) -> Model {
     let mut model = Model::default();
+    // Two steps lead up to the basin.
     let steps = model.paint(palette.slabs, Vec3::splat(1.15));
     steps.lathe(Vec3::ZERO, &[(3.75, -0.1), (3.75, 0.15), (3.30, 0.15), (3.30, 0.30), (2.5, 0.30)], 64);
     let stone = model.paint(palette.ashlar, Vec3::new(1.0, 0.97, 0.93));
+    // The wall of the basin, then the column that bears the upper bowl, then what crowns it.
     let wall = [
         (2.86, 0.30),
         (2.86, 0.42),
@@ -80,6 +80,7 @@ pub(crate) fn fountain(palette: &Palette) -> Model {
         (0.0, 4.42),
     ];
     stone.lathe(Vec3::ZERO, &upper, 32);
+    // Water stands in both bowls.
     let water = model.paint(palette.water, Vec3::ONE);
     water.lathe(Vec3::ZERO, &[(2.43, 0.84), (0.0, 0.84)], 48);
     water.lathe(Vec3::ZERO, &[(1.2, 2.655), (0.0, 2.655)], 32);

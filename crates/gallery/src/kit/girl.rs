@@ -17,7 +17,8 @@ use crate::{
     shape::{Model, Shape, Vertex},
 };
 
-/// Segments of a hair: 165,000 triangles that move at the default count, which every frame pays for. Fewer show corners where locks curl.
+/// Segments of a hair: 165,000 triangles that move at the default count, which every frame pays for. Fewer
+/// show corners where locks curl.
 pub(crate) const SEGMENTS: usize = 6;
 /// Width of a hair at its root with 15,000 of them, metres: half a pixel at the default size.
 const WIDTH: f32 = 0.0017;
@@ -87,7 +88,7 @@ pub(crate) fn figure(wardrobe: Wardrobe) -> Model {
     });
     let dark = model.paint(wardrobe.linen, Vec3::new(0.05, 0.02, 0.015));
     for side in [-1.0, 1.0] {
-        // Closed eyes.
+        // Her eyes are closed: a line of lashes on each side.
         let lash =
             |s: f32| v(side * (0.022 + 0.034 * s), 0.853 - 0.011 * (PI * s).sin(), 0.121 - 0.020 * s * s);
         let lashes: Vec<(Vec3, f32)> = (0..=8).map(|i| (lash(i as f32 / 8.0), 0.0024)).collect();
@@ -127,7 +128,8 @@ enum Lie {
     Threads,
 }
 
-/// Adds a grid of points as a smooth surface; rows run downwards, columns counter-clockwise seen from outside or from left to right.
+/// Adds a grid of points as a smooth surface; rows run downwards, columns counter-clockwise seen from outside
+/// or from left to right.
 fn sheet(shape: &mut Shape, grid: &[Vec<Vec3>], lie: Lie, colour: impl Fn(f32, f32) -> Vec4) {
     let (rows, columns) = (grid.len(), grid[0].len());
     let first = shape.positions.len() as u32;
@@ -180,7 +182,8 @@ pub(crate) struct Hair {
     phase_rad: f32,
 }
 
-/// Where a hair can be rooted: the top, the back and the sides of the head, with a hairline over the forehead.
+/// Where a hair can be rooted: the top, the back and the sides of the head, with a hairline over the
+/// forehead.
 fn on_scalp(out: Vec3) -> bool {
     out.y > -0.62 && out.z < 0.34 + 0.62 * out.y && (out.z < 0.10 || out.y > 0.30)
 }

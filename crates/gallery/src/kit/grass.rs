@@ -16,18 +16,18 @@ use crate::{
 /// Which quarter of the atlas a card shows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Sward {
-    /// Dense blades.
+    /// Many blades of different height.
     Blades,
-    /// Few long ones with ears.
+    /// A few long blades that bear ears.
     Ears,
-    /// White flowers.
+    /// Daisies among blades.
     Daisies,
-    /// Red flowers.
+    /// Poppies among blades.
     Poppies,
 }
 
 const SWARDS: [Sward; 4] = [Sward::Blades, Sward::Ears, Sward::Daisies, Sward::Poppies];
-/// Of an edge of the atlas; half of it is one card.
+/// Texels along an edge of the atlas; half an edge is one card.
 const ATLAS_SIZE: u32 = 768;
 
 /// A stalk of a card, in its unit square with y upwards.
@@ -53,15 +53,18 @@ enum Head {
 /// Paints the atlas; where nothing grows the colour goes on, so that no fringe shows.
 pub(crate) fn atlas(seed: u32) -> Image<[u8; 4]> {
     let mut rng = Rng::new(seed, "grass atlas");
-    let quarters = SWARDS.map(|sward| stalks(&mut rng, sward));
+    let quarters = SWARDS.map(|sward| {
+        let stalks = stalks(&mut rng, sward);
+        let mean = stalks.iter().map(|stalk| stalk.colour).sum::<Vec3>() / stalks.len() as f32;
+        (stalks, mean)
+    });
     let texel = 2.0 / ATLAS_SIZE as f32;
     paint_colour(ATLAS_SIZE, |uv| {
         let quarter = (uv * 2.0).floor().min(Vec2::ONE);
-        let stalks = &quarters[(quarter.y * 2.0 + quarter.x) as usize];
+        let (stalks, mean) = &quarters[(quarter.y * 2.0 + quarter.x) as usize];
         let p = uv * 2.0 - quarter;
         let p = Vec2::new(p.x, 1.0 - p.y);
-        let mean = stalks.iter().map(|stalk| stalk.colour).sum::<Vec3>() / stalks.len() as f32;
-        let mut sum = (mean, 0.0);
+        let mut sum = (*mean, 0.0);
         for stalk in stalks {
             let (colour, alpha) = stalk.at(p, texel);
             if alpha > 0.0 {
@@ -146,7 +149,7 @@ impl Stalk {
                 let petal = 0.066 + 0.010 * (angle * 4.0 + 0.6).cos() + 0.003 * (angle * 17.0).sin();
                 let heart = edge(0.015 - radius);
                 let red = Vec3::new(0.80, 0.075, 0.03) * (0.65 + 0.4 * smoothstep(0.0, 0.07, radius));
-                // Thin as paper.
+                // Petals thin as paper let light through.
                 (red.lerp(Vec3::splat(0.02), heart), 0.80 * edge(petal - radius))
             }
         }
@@ -157,12 +160,12 @@ impl Stalk {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Card {
     pub(crate) foot: Vec3,
-    /// Along its width, unit.
+    /// Unit vector along its width.
     pub(crate) across: Vec3,
     pub(crate) height: f32,
     pub(crate) sward: Sward,
     pub(crate) tint: Vec3,
-    /// How late the wind arrives.
+    /// How late each wave of the wind arrives at it.
     pub(crate) phase_rad: f32,
 }
 
@@ -170,7 +173,7 @@ pub(crate) struct Card {
 const BANDS: u32 = 2;
 
 impl Card {
-    /// A card at a place: mostly grass, here and there a flower.
+    /// A card that stands at a point: mostly grass, here and there a flower.
     pub(crate) fn at(foot: Vec3, height: f32, rng: &mut Rng) -> Self {
         let sward = match rng.unit() {
             share if share < 0.66 => Sward::Blades,
@@ -189,7 +192,8 @@ impl Card {
         }
     }
 
-    /// Adds the card as it stands while the wind has swung this far; `wind` is its direction and strength, 1 a fresh breeze.
+    /// Adds the card as it stands while the wind has swung this far; `wind` is its direction and strength, 1
+    /// a fresh breeze.
     pub(crate) fn build(&self, shape: &mut Shape, wind: Vec3, sway: Sway) {
         let push = 0.30 + 0.16 * sway.billow(self.phase_rad) + 0.06 * sway.flutter(2.2 * self.phase_rad);
         let bend = wind * push * self.height;
@@ -218,7 +222,7 @@ impl Card {
     }
 }
 
-/// A place in a disc, denser towards its middle.
+/// A random point of a disc around the origin, denser towards its middle.
 pub(crate) fn strewn(rng: &mut Rng, radius: f32) -> Vec2 {
     Vec2::from_angle(rng.between(0.0, TAU)) * (radius * rng.unit().powf(0.72))
 }

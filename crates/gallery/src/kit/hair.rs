@@ -1,8 +1,8 @@
-//! Hairs as ribbons: flat, twisting, narrowing to a point, with the direction of the hair in the place of normals
-//! ([`ShadingModel::Fibre`](sheer_scene::model::ShadingModel::Fibre)).
+//! Hairs as ribbons: flat, twisting, narrowing to a point, with the direction of the hair in the place of
+//! normals ([`ShadingModel::Fibre`](sheer_scene::model::ShadingModel::Fibre)).
 //!
-//! A ribbon does not turn towards the camera: it twists on its way instead, so that no hair is seen edge-on all along, and its shadow is as
-//! thin as itself.
+//! A ribbon does not turn towards the camera: it twists on its way instead, so that no hair is seen edge-on
+//! all along, and its shadow is as thin as itself.
 
 use glam::{IVec3, Quat, Vec2, Vec3, Vec4};
 use sheer_core::hash::{pcg4d, unit_from_bits};
@@ -10,12 +10,12 @@ use sheer_scene::model::{AlphaMode, Material, ShadingModel};
 
 use crate::shape::{Shape, Vertex};
 
-/// A hair.
+/// The course of one hair, from which its ribbon is built.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Strand<'a> {
-    /// From the root to the tip, at least two.
+    /// Points of its middle line from the root to the tip, at least two.
     pub(crate) points: &'a [Vec3],
-    /// At the root.
+    /// Width at the root; it narrows towards the tip.
     pub(crate) width: f32,
     /// Roughly the direction of its width at the root.
     pub(crate) side: Vec3,

@@ -1,6 +1,7 @@
 //! Town houses: walls with real openings, roofs of single tiles.
 //!
-//! A house stands with its front in the plane z = 0, looking along +Z, from x = -width/2 to width/2, and reaches back to z = -depth.
+//! A house stands with its front in the plane z = 0, looking along +Z, from x = -width/2 to width/2, and
+//! reaches back to z = -depth.
 
 use std::f32::consts::PI;
 
@@ -8,10 +9,7 @@ use glam::{Vec2, Vec3};
 use sheer_core::colour::linear_from_hex;
 
 use crate::{
-    kit::{
-        foliage::{Cluster, planting},
-        palette::Palette,
-    },
+    kit::{foliage::planting, leaf::Cluster, palette::Palette},
     paint::smoothstep,
     rng::Rng,
     shape::{Model, Shape, Vertex},
@@ -20,20 +18,20 @@ use crate::{
 /// What a front is made of.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Wall {
-    /// Painted plaster.
+    /// Plaster painted in this linear colour.
     Plaster(Vec3),
     /// Red brick with stone trim.
     Brick,
-    /// Painted plaster between beams above a plain ground floor.
+    /// Plaster of this linear colour between beams, above a plain ground floor.
     HalfTimber(Vec3),
 }
 
 /// What a roof is covered with.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Covering {
-    /// Curved tiles.
+    /// Curved tiles in straight columns, each over the side of the next.
     Pantile,
-    /// Small flat ones, each row shifted by half a tile.
+    /// Small flat tiles, each row shifted by half a tile.
     Plain,
 }
 
@@ -63,7 +61,7 @@ const GROUND_FLOOR: f32 = 3.3;
 const STOREY: f32 = 2.85;
 /// Eaves reach this far over the wall.
 const EAVES: f32 = 0.42;
-/// From the face of the wall to the glass.
+/// Depth of a window: from the face of the wall to the glass, metres.
 const REVEAL: f32 = 0.16;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -82,7 +80,7 @@ struct Opening {
     use_: Use,
 }
 
-/// Where a house is being built.
+/// A house that is being built.
 struct Site<'a> {
     house: House,
     palette: &'a Palette,
@@ -105,7 +103,7 @@ impl House {
         self.eaves() + 0.5 * self.span() * self.pitch
     }
 
-    /// Builds it.
+    /// Builds the house from the ground up: walls, what fills their openings, trim, dirt, roof.
     pub(crate) fn build(self, palette: &Palette, rng: &mut Rng) -> Model {
         let mut site = Site { house: self, palette, rng, model: Model::default() };
         let openings = site.openings();
@@ -310,6 +308,7 @@ impl Site<'_> {
             step.block(Vec3::new(low.x - 0.18, 0.0, -REVEAL), Vec3::new(high.x + 0.18, 0.13, 0.42));
         }
 
+        // A frame all around.
         let frame = self.model.paint(wood, bars);
         let bar = 0.065;
         let back = -REVEAL;
@@ -317,6 +316,7 @@ impl Site<'_> {
         frame.block(Vec3::new(high.x - bar, pane_low.y, back), high.extend(front));
         frame.block(Vec3::new(low.x + bar, high.y - bar, back), Vec3::new(high.x - bar, high.y, front));
         frame.block(pane_low.extend(back) + Vec3::X * bar, Vec3::new(high.x - bar, pane_low.y + bar, front));
+        // Bars that divide the glass: a cross-shaped grid in windows, a transom in shop fronts.
         let middle = 0.5 * (low.x + high.x);
         let (inner_low, inner_high) = (pane_low.y + bar, high.y - bar);
         if use_ == Use::Window || use_ == Use::Attic {
@@ -339,6 +339,7 @@ impl Site<'_> {
                 Vec3::new(middle + 0.025, inner_high, front),
             );
         }
+        // The glass; in a window it shows any of the rooms, elsewhere a dark one.
         let quarter = if use_ == Use::Window {
             *self.rng.pick(&[
                 Vec2::ZERO,
@@ -358,6 +359,7 @@ impl Site<'_> {
             quarter + 0.5,
         );
 
+        // What a window has outside: a sill, and shutters on both sides.
         if use_ == Use::Window {
             self.sill(low, high);
             if shutters {
@@ -413,7 +415,7 @@ impl Site<'_> {
         }
         plinth.block(Vec3::new(from, 0.0, 0.0), Vec3::new(half, 0.42, 0.05));
 
-        // Surrounds and lintels.
+        // Stone surrounds the openings of plain walls; half-timbered ones have beams there.
         if !matches!(wall, Wall::HalfTimber(_)) {
             let shape = self.model.paint(material, tint);
             for Opening { low, high, use_ } in openings {
@@ -530,7 +532,7 @@ impl Site<'_> {
     fn roof(&mut self) {
         let House { width, depth, gable_front, covering, roof, trim, .. } = self.house;
         let (eaves, ridge) = (self.house.eaves(), self.house.ridge());
-        // Along the ridge; a gable that looks to the front lets its roof jut out over it.
+        // The slopes run along the ridge; a gable that looks to the front lets its roof jut out over it.
         let (run, length) = if gable_front { (-Vec3::Z, depth + 0.35) } else { (Vec3::X, width + 0.10) };
         let middle =
             if gable_front { Vec3::Z * 0.35 } else { Vec3::new(-0.5 * width - 0.05, 0.0, -0.5 * depth) };
@@ -705,7 +707,8 @@ impl Site<'_> {
     }
 }
 
-/// A roof slope: `foot` is its lower left corner seen from outside, `run` goes along the eaves, `up` to the ridge.
+/// A roof slope: `foot` is its lower left corner seen from outside, `run` goes along the eaves, `up` to the
+/// ridge.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Slope {
     pub(crate) foot: Vec3,

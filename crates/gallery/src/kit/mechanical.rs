@@ -16,12 +16,13 @@ const PRESSURE_ANGLE_RAD: f32 = 0.349_066;
 /// Tooth heights above and below the pitch circle in modules (ISO 53, profile A).
 const ADDENDUM: f32 = 1.0;
 const DEDENDUM: f32 = 1.25;
-/// Each tooth is thinner than half the pitch by this share of the module, so that meshing flanks never coincide.
+/// Each tooth is thinner than half the pitch by this share of the module, so that meshing flanks never
+/// coincide.
 const BACKLASH: f32 = 0.06;
 /// Points of an involute flank.
 const FLANK_POINTS: u32 = 3;
 
-/// A closed polygon.
+/// A closed polygon; its last corner is joined to its first.
 pub(crate) type Outline = Vec<Vec2>;
 
 /// A circle of so many corners.
@@ -35,7 +36,8 @@ pub(crate) fn rounded_rectangle(half: Vec2, radius: f32) -> Outline {
     rounded(&corners, radius, 5)
 }
 
-/// A polygon with its corners rounded off: `radius` is the distance from a corner at which the rounding begins.
+/// A polygon with its corners rounded off: `radius` is the distance from a corner at which the rounding
+/// begins.
 pub(crate) fn rounded(corners: &[Vec2], radius: f32, steps: u32) -> Outline {
     let count = corners.len();
     let mut outline = Vec::with_capacity(count * (steps as usize + 1));
@@ -165,7 +167,8 @@ pub(crate) fn ball(radius: f32, steps: u32) -> Vec<(f32, f32)> {
     (0..=steps).map(at).collect()
 }
 
-/// From the space of a part that stands on the origin along +Y to where it stands on `foot` along `axis`.
+/// `world_from_part` of a part that is drawn standing on the origin along +Y and stands on `foot` along
+/// `axis`.
 pub(crate) fn stand(foot: Vec3, axis: Vec3) -> Affine3A {
     Affine3A::from_rotation_translation(Quat::from_rotation_arc(Vec3::Y, axis.normalize()), foot)
 }
@@ -207,7 +210,8 @@ impl Shape {
         self.moved(stand(foot, axis), |shape| shape.lathe(Vec3::ZERO, profile, segment_count));
     }
 
-    /// A prism from `low` to `high` with bevelled edges: the first outline is its outside, the others are holes through it.
+    /// A prism from `low` to `high` with bevelled edges: the first outline is its outside, the others are
+    /// holes through it.
     pub(crate) fn extrude(&mut self, outlines: &[Outline], low: f32, high: f32, bevel: f32) {
         let outlines: Vec<Outline> = oriented(outlines);
         let caps: Vec<Outline> = outlines.iter().map(|outline| inset(outline, bevel)).collect();
@@ -222,7 +226,7 @@ impl Shape {
         }
     }
 
-    /// The same along +Y: outlines give x and -z.
+    /// Extrudes along +Y what [`Self::extrude`] extrudes along +Z: the outlines give x and -z.
     pub(crate) fn extrude_up(&mut self, outlines: &[Outline], low: f32, high: f32, bevel: f32) {
         let upright = Affine3A::from_rotation_x(-0.5 * PI);
         self.moved(upright, |shape| shape.extrude(outlines, low, high, bevel));

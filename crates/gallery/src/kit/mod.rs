@@ -7,6 +7,7 @@ pub(crate) mod girl;
 pub(crate) mod grass;
 pub(crate) mod hair;
 pub(crate) mod house;
+pub(crate) mod leaf;
 pub(crate) mod mechanical;
 pub(crate) mod palette;
 pub(crate) mod smoke;

@@ -7,11 +7,12 @@ use sheer_scene::model::{AlphaMode, Material, TextureRef};
 
 use crate::{
     builder::SceneBuilder,
-    kit::foliage,
-    paint::{Noise, Painting, Texel, paint, paint_colour, smoothstep},
+    kit::leaf,
+    paint::{Noise, Texel, paint, paint_colour, smoothstep},
 };
 
-/// Material indices by what they are. Unless it says otherwise a texture tiles, white at its brightest, to be tinted by the vertices.
+/// Material indices by what they are. Unless it says otherwise a texture tiles, white at its brightest, to be
+/// tinted by the vertices.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Palette {
     pub(crate) plaster: u32,
@@ -30,21 +31,21 @@ pub(crate) struct Palette {
     pub(crate) panes: u32,
     /// Stripes along u, one pair a metre of texture.
     pub(crate) awning: u32,
-    /// Fitted: a clock dial.
+    /// A clock dial that fills the unit square.
     pub(crate) dial: u32,
-    /// Painted metal, tinted.
+    /// Painted metal; the vertices give its colour.
     pub(crate) iron: u32,
-    /// Bare shiny metal, tinted.
+    /// Bare shiny metal; the vertices give its colour.
     pub(crate) metal: u32,
     pub(crate) water: u32,
     /// Lamp glass that glows faintly.
     pub(crate) lantern: u32,
-    /// Embers.
+    /// Embers that glow in a bowl of fire.
     pub(crate) embers: u32,
 }
 
 impl Palette {
-    /// Paints all textures and adds all materials.
+    /// Adds all materials; the textures of those that stay unused are never painted.
     pub(crate) fn new(builder: &mut SceneBuilder, seed: u32) -> Self {
         let mut easel = Easel { builder, seed };
         let plain = |name: &str, colour: Vec3, roughness: f32, metallic: f32| Material {
@@ -69,7 +70,7 @@ impl Palette {
             slabs: easel.painted("slabs", 2.4, 512, slabs),
             meadow: easel.painted("meadow", 4.0, 256, meadow),
             bark: easel.painted("bark", 1.0, 256, bark),
-            leaves: easel.cut_out("leaves", foliage::leaf_atlas(seed)),
+            leaves: easel.cut_out("leaves", move || leaf::leaf_atlas(seed)),
             panes: easel.panes(),
             awning: easel.awning(),
             dial: easel.dial(),
@@ -82,7 +83,7 @@ impl Palette {
     }
 }
 
-/// Where textures are painted.
+/// Adds materials whose textures are painted from one seed.
 struct Easel<'a> {
     builder: &'a mut SceneBuilder,
     seed: u32,
@@ -90,21 +91,13 @@ struct Easel<'a> {
 
 impl Easel<'_> {
     /// A tiling material whose texture spans `tile_metres`.
-    fn painted(
-        &mut self,
-        name: &str,
-        tile_metres: f32,
-        size: u32,
-        texel: impl Fn(Noise, Vec2) -> Texel + Sync,
-    ) -> u32 {
+    fn painted(&mut self, name: &str, tile_metres: f32, size: u32, texel: fn(Noise, Vec2) -> Texel) -> u32 {
         let noise = Noise { seed: self.seed };
-        let Painting { colour, normal, surface } = paint(size, |uv| texel(noise, uv));
-        let mut tiled = |kind: &str, image, srgb| TextureRef {
+        let textures = self.builder.painted_surface(name, move || paint(size, |uv| texel(noise, uv)));
+        let [colour, normal, surface] = textures.map(|texture| TextureRef {
             transform: Affine2::from_scale(Vec2::splat(1.0 / tile_metres)),
-            ..TextureRef::new(self.builder.texture(&format!("{name} {kind}"), image, srgb))
-        };
-        let (colour, normal, surface) =
-            (tiled("colour", colour, true), tiled("normal", normal, false), tiled("surface", surface, false));
+            ..TextureRef::new(texture)
+        });
         self.builder.material(Material {
             name: name.to_owned(),
             base_colour_texture: Some(colour),
@@ -115,8 +108,8 @@ impl Easel<'_> {
         })
     }
 
-    fn cut_out(&mut self, name: &str, image: Image<[u8; 4]>) -> u32 {
-        let texture = TextureRef::new(self.builder.texture(name, image, true));
+    fn cut_out(&mut self, name: &str, paint: impl FnOnce() -> Image<[u8; 4]> + Send + 'static) -> u32 {
+        let texture = TextureRef::new(self.builder.texture(name, paint));
         self.builder.material(Material {
             name: name.to_owned(),
             base_colour_texture: Some(texture),
@@ -128,8 +121,8 @@ impl Easel<'_> {
 
     fn panes(&mut self) -> u32 {
         let noise = Noise { seed: self.seed.wrapping_add(91) };
-        let image = paint_colour(256, |uv| (pane(noise, uv), 1.0));
-        let texture = TextureRef::new(self.builder.texture("window panes", image, true));
+        let paint = move || paint_colour(256, |uv| (pane(noise, uv), 1.0));
+        let texture = TextureRef::new(self.builder.texture("window panes", paint));
         self.builder.material(Material {
             name: "window panes".to_owned(),
             base_colour_texture: Some(texture),
@@ -140,14 +133,16 @@ impl Easel<'_> {
 
     fn awning(&mut self) -> u32 {
         let noise = Noise { seed: self.seed.wrapping_add(17) };
-        let image = paint_colour(256, |uv| {
-            let weave = 0.93 + 0.07 * noise.fractal(uv, IVec2::new(32, 32), 2);
-            let stripe = smoothstep(0.23, 0.26, uv.x) - smoothstep(0.74, 0.77, uv.x);
-            (Vec3::ONE.lerp(Vec3::new(0.42, 0.07, 0.05), stripe) * weave, 1.0)
-        });
+        let paint = move || {
+            paint_colour(256, |uv| {
+                let weave = 0.93 + 0.07 * noise.fractal(uv, IVec2::new(32, 32), 2);
+                let stripe = smoothstep(0.23, 0.26, uv.x) - smoothstep(0.74, 0.77, uv.x);
+                (Vec3::ONE.lerp(Vec3::new(0.42, 0.07, 0.05), stripe) * weave, 1.0)
+            })
+        };
         let texture = TextureRef {
             transform: Affine2::from_scale(Vec2::splat(1.0 / 0.5)),
-            ..TextureRef::new(self.builder.texture("awning", image, true))
+            ..TextureRef::new(self.builder.texture("awning", paint))
         };
         self.builder.material(Material {
             name: "awning".to_owned(),
@@ -159,8 +154,8 @@ impl Easel<'_> {
     }
 
     fn dial(&mut self) -> u32 {
-        let image = paint_colour(256, |uv| (dial(uv), 1.0));
-        let texture = TextureRef::new(self.builder.texture("dial", image, true));
+        let paint = || paint_colour(256, |uv| (dial(uv), 1.0));
+        let texture = TextureRef::new(self.builder.texture("dial", paint));
         self.builder.material(Material {
             name: "dial".to_owned(),
             base_colour_texture: Some(texture),
@@ -342,7 +337,8 @@ fn bark(noise: Noise, uv: Vec2) -> Texel {
     }
 }
 
-/// A room seen through a window, in four quarters of the texture: dark, curtained, with a blind half drawn, and lamplit.
+/// A room seen through a window, in four quarters of the texture: dark, curtained, with a blind half drawn,
+/// and lamplit.
 fn pane(noise: Noise, uv: Vec2) -> Vec3 {
     let quarter = (uv * 2.0).floor();
     let p = uv * 2.0 - quarter;

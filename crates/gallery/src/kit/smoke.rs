@@ -13,8 +13,8 @@ use crate::{
 /// Columns and rows of the atlas.
 pub(crate) const ATLAS: [u32; 2] = [4, 4];
 
-/// Sixteen puffs, 128 texels each: lumps of warped noise that thin out towards the rim of an inscribed disc. The colour holds what light
-/// inside the puff does: folds are a little darker than lobes.
+/// Sixteen puffs, 128 texels each: lumps of warped noise that thin out towards the rim of an inscribed disc.
+/// The colour holds what light inside the puff does: folds are a little darker than lobes.
 pub(crate) fn puff_atlas(seed: u32) -> Image<[u8; 4]> {
     paint_colour(512, |uv| {
         let scaled = uv * Vec2::new(ATLAS[0] as f32, ATLAS[1] as f32);
@@ -52,9 +52,10 @@ fn puff(noise: Noise, p: Vec2) -> (Vec3, f32) {
     (Vec3::splat(value), density)
 }
 
-/// The material of all smoke: what it looks like beyond its light is in its atlas and in each particle's tint.
+/// The material of all smoke: what it looks like beyond its light is in its atlas and in each particle's
+/// tint.
 pub(crate) fn material(builder: &mut SceneBuilder, seed: u32) -> u32 {
-    let atlas = builder.texture("puffs", puff_atlas(seed), true);
+    let atlas = builder.texture("puffs", move || puff_atlas(seed));
     builder.material(Material {
         name: "smoke".to_owned(),
         model: ShadingModel::Smoke,

@@ -1,6 +1,7 @@
 //! The town square that `smoke-square` and `pane` share.
 //!
-//! North is -Z. Rows of houses close the north, east and south; the south-west is open, and the low sun shines in through it.
+//! North is -Z. Rows of houses close the north, east and south; the south-west is open, and the low sun
+//! shines in through it.
 
 use std::f32::consts::{FRAC_PI_2, PI};
 
@@ -11,9 +12,10 @@ use sheer_scene::environment::{Environment, Lobe};
 use crate::{
     builder::{Prop, SceneBuilder},
     kit::{
-        foliage::{Cluster, Habit, planting, tree},
+        foliage::{Habit, planting, tree},
         furniture,
         house::{Covering, House, Slope, Wall},
+        leaf::Cluster,
         palette::Palette,
     },
     paint::{Noise, smoothstep},
@@ -36,7 +38,7 @@ const SOUTH: f32 = 18.0;
 const PAVEMENT: f32 = 2.2;
 const KERB: f32 = 0.12;
 
-/// Towards the sun: late afternoon, in the south-west.
+/// Unit direction towards the sun: late afternoon, in the south-west.
 pub(crate) fn towards_sun() -> Vec3 {
     Vec3::new(-0.80, 0.45, 0.41).normalize()
 }
@@ -73,7 +75,8 @@ fn at(x: f32, z: f32, turn_rad: f32) -> Affine3A {
 
 fn put_ground(builder: &mut SceneBuilder, palette: &Palette, seed: u32) {
     let noise = Noise { seed: seed.wrapping_add(400) };
-    // Broad stains, since a texture of two and a half metres repeats many times; the foot of the kerbs stays dark and damp.
+    // Broad stains, since a texture of two and a half metres repeats many times; the foot of the kerbs stays
+    // dark and damp.
     let shade = |p: Vec3| {
         let stain = noise.fractal(Vec2::new(p.x, p.z) / 64.0 + 0.5, IVec2::splat(9), 4);
         let kerb =
@@ -211,7 +214,8 @@ fn design(rng: &mut Rng, width: f32, previous: Option<&House>) -> House {
 
 fn put_houses(builder: &mut SceneBuilder, palette: &Palette, seed: u32) {
     let mut rng = Rng::new(seed, "houses");
-    // Fronts from left to right as one faces them: where the row begins, which way its houses look, and their widths.
+    // Fronts from left to right as one faces them: where the row begins, which way its houses look, and their
+    // widths.
     let rows: [(Vec3, f32, &[f32]); 8] = [
         (Vec3::new(-19.0, 0.0, NORTH), 0.0, &[6.2, 6.6]),
         (Vec3::new(-1.8, 0.0, NORTH), 0.0, &[7.0, 5.8, 7.4]),

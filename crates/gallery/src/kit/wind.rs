@@ -1,7 +1,8 @@
-//! Wind: what sways in it is built at rest and in the extremes of two travelling waves, and each moment mixes these poses.
+//! Wind: what sways in it is built at rest and in the extremes of two travelling waves, and each moment mixes
+//! these poses.
 //!
-//! A wave that arrives at a place `phase` late is `cos(ωt - phase) = cos ωt cos phase + sin ωt sin phase`: two poses and two weights are
-//! enough for any number of places, each with its own phase.
+//! A wave that arrives at a place `phase` late is `cos(ωt - phase) = cos ωt cos phase + sin ωt sin phase`:
+//! two poses and two weights are enough for any number of places, each with its own phase.
 
 use std::f32::consts::TAU;
 

@@ -1,7 +1,8 @@
-//! `arena`: heroes and raiders fight in a ring of stone at dusk, and a golem breathes fire (STD Fig. 1, 8 and 11).
+//! `arena`: heroes and raiders fight in a ring of stone at dusk, and a golem breathes fire (STD Fig. 1, 8 and
+//! 11).
 //!
-//! Many small transparent things of middling opacity overlap: shields one in front of another, runes, fire, drops, dust and health bars. Their
-//! number rises to two thirds of the clip and falls again; the clip loops.
+//! Many small transparent things of middling opacity overlap: shields one in front of another, runes, fire,
+//! drops, dust and health bars. Their number rises to two thirds of the clip and falls again; the clip loops.
 
 use glam::Vec3;
 use sheer_core::parameter::{ParameterInfo, ParameterRange, Values};
@@ -17,7 +18,7 @@ mod body;
 mod cast;
 mod figure;
 mod paint;
-mod place;
+mod ring;
 mod spell;
 
 pub(crate) const PARAMETERS: &[ParameterInfo] = &[
@@ -30,15 +31,13 @@ pub(crate) const PARAMETERS: &[ParameterInfo] = &[
     SEED,
 ];
 
-/// The clip starts anew after this time.
-pub(crate) const CLIP_SECS: f32 = 10.0;
 const YFOV_RAD: f32 = 0.70;
 
 pub(crate) fn build(values: &Values) -> Result<Scene, SceneError> {
     let seed = values.count(SEED.key);
-    let mut builder = SceneBuilder::new("arena", place::dusk());
+    let mut builder = SceneBuilder::new("arena", ring::dusk());
     let palette = Palette::new(&mut builder, seed);
-    place::raise(&mut builder, &palette, seed);
+    ring::raise(&mut builder, &palette, seed);
     let cast = cast::assemble(&mut builder, &palette, seed);
     spell::conjure(&mut builder, &cast, Effects { amount: values.real("effects"), seed });
 
@@ -78,7 +77,7 @@ mod tests {
     use glam::Vec2;
     use sheer_scene::{Animator, Frame, model::AlphaMode};
 
-    use super::*;
+    use super::{figure::CLIP_SECS, *};
     use crate::catalogue;
 
     static SCENE: LazyLock<Arc<Scene>> = LazyLock::new(|| Arc::new(catalogue::build("arena").unwrap()));
@@ -115,7 +114,7 @@ mod tests {
             (0..20).map(|step| effects(at(&SCENE, 0.5 * step as f32).frame()).len()).collect();
         let peak = (0..20).max_by_key(|&step| counts[step]).unwrap();
         assert!((11..=15).contains(&peak), "{counts:?}");
-        // Of every other step: a salvo may be over within half a second.
+        // Every other step counts: a salvo may be over within half a second.
         for pair in [0, 4, 8, 12].windows(2) {
             assert!(counts[pair[1]] > counts[pair[0]], "{counts:?}");
         }
@@ -147,7 +146,7 @@ mod tests {
                 let high = corners.iter().copied().reduce(Vec3::max).unwrap();
                 // Two instances under one id would span the distance between them.
                 let sky = low.length() > 100.0;
-                let allowed = if sky { 2.0 * place::ARENA_RADIUS } else { place::FLOOR_RADIUS };
+                let allowed = if sky { 2.0 * ring::ARENA_RADIUS } else { ring::FLOOR_RADIUS };
                 assert!((high - low).max_element() < allowed, "{low} to {high} at {time_secs} s");
             }
         }
@@ -172,13 +171,15 @@ mod tests {
             }
             let lowest = corners.iter().map(|corner| corner.y).fold(f32::MAX, f32::min);
             let widest = corners.iter().map(|corner| corner.with_y(0.0).length()).fold(0.0, f32::max);
-            // Boulders are not round: a foot or a fist of the golem may press a hand's breadth into the ground.
+            // Boulders are not round: a foot or a fist of the golem may press a hand's breadth into the
+            // ground.
             assert!((-0.20..0.05).contains(&lowest), "{lowest} at step {step}");
-            assert!(widest < place::FLOOR_RADIUS, "{widest} at step {step}");
+            assert!(widest < ring::FLOOR_RADIUS, "{widest} at step {step}");
             if let Some(previous) = previous.replace(corners.clone()) {
                 let pairs: Vec<(Vec3, Vec3)> = corners.into_iter().zip::<Vec<Vec3>>(previous).collect();
                 let far = pairs.iter().map(|(now, then)| now.distance(*then)).fold(0.0, f32::max);
-                // Nothing goes faster than the golem's fist, which falls from above its head in a quarter of a second.
+                // Nothing goes faster than the golem's fist, which falls from above its head in a quarter of
+                // a second.
                 assert!(far < 5.5, "{far} at step {step}");
                 travelled += far;
             }

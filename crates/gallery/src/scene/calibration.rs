@@ -1,4 +1,5 @@
-//! `calibration`: ten opacity levels, each above the opaque grey of the same value (STD Fig. 2, to which Eq. 5 was fitted).
+//! `calibration`: ten opacity levels, each above the opaque grey of the same value (STD Fig. 2, to which Eq.
+//! 5 was fitted).
 
 use glam::{Vec3, Vec4};
 use sheer_core::parameter::{ParameterInfo, Values};

@@ -1,7 +1,7 @@
 //! `hairball`: a sitting puppy under 300,000 transparent hairs (ST Fig. 7).
 //!
-//! The hairs are dealt out to locks like cards, one after the other: hairs that lie over one another belong to different objects and so
-//! are dithered independently.
+//! The hairs are dealt out to locks like cards, one after the other: hairs that lie over one another belong
+//! to different objects and so are dithered independently.
 
 use std::f32::consts::TAU;
 
@@ -43,9 +43,11 @@ pub(crate) const PARAMETERS: &[ParameterInfo] = &[
     SEED,
 ];
 
-/// Segments of a hair: 2.7 million triangles at the default. Fewer show corners in the ruff, more cost memory for nothing seen.
+/// Segments of a hair: 2.7 million triangles at the default. Fewer show corners in the ruff, more cost memory
+/// for nothing seen.
 const SEGMENTS: usize = 5;
-/// Hairs of a lock: few enough locks that the scene stays light, few enough hairs that those of one lock seldom meet in a pixel.
+/// Hairs of a lock: few enough locks that the scene stays light, few enough hairs that those of one lock
+/// seldom meet in a pixel.
 const LOCK_SIZE: u32 = 300;
 /// Width of a hair at its root with the default count, metres: about half a pixel at the default size.
 const WIDTH: f32 = 0.0012;
@@ -193,12 +195,12 @@ fn put_puppy(builder: &mut SceneBuilder) {
     builder.put("puppy", model);
 }
 
-/// What grows at a place of the body.
+/// The hair that grows at a point of the body.
 #[derive(Clone, Copy, Debug)]
 struct Coat {
-    /// Linear, of the outer coat.
+    /// Linear colour of the outer coat.
     colour: Vec3,
-    /// Metres.
+    /// Length of a hair there, metres.
     length: f32,
     /// Which way it is combed; its length says how firmly.
     comb: Vec3,
@@ -262,7 +264,8 @@ fn coat_at(p: Vec3, n: Vec3) -> Coat {
     Coat { colour, length, comb }
 }
 
-/// How often a hair is thrown again if it would get in the way of eyes or nose; after that it is taken as it is, which never happens.
+/// How often a hair is thrown again if it would get in the way of eyes or nose; after that it is taken as it
+/// is, which never happens.
 const MAX_THROWS: u32 = 64;
 
 fn put_coat(builder: &mut SceneBuilder, values: &Values) {
@@ -329,7 +332,8 @@ fn in_the_way(p: Vec3) -> bool {
     bare_nose || before_eye(-1.0) || before_eye(1.0)
 }
 
-/// Lets a hair grow: out of the skin, then the way it is combed, held off the body and drawn towards the middle of its tuft.
+/// Lets a hair grow: out of the skin, then the way it is combed, held off the body and drawn towards the
+/// middle of its tuft.
 fn grow(
     points: &mut [Vec3; SEGMENTS + 1],
     rng: &mut Rng,

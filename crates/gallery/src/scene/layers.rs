@@ -111,7 +111,7 @@ pub fn layers_closed_form(count: u32, alpha: f32, colours: LayerColours, backgro
 
 /// Wide enough for any picture of up to 32:1.
 const HALF_EXTENT: Vec2 = Vec2::new(32.0, 2.0);
-/// Between neighbouring layers, metres; small steps keep the deepest of 64 layers near.
+/// Distance of neighbouring layers, metres; small steps keep the deepest of 64 layers near.
 const SPACING: f32 = 0.25;
 
 pub(crate) fn build(values: &Values) -> Result<Scene, SceneError> {

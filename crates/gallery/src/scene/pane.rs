@@ -1,4 +1,5 @@
-//! `pane`: one transparent pane in the town square, for how a constant alpha behaves under a still and a moving camera (STD Fig. 6, 7).
+//! `pane`: one transparent pane in the town square, for how a constant alpha behaves under a still and a
+//! moving camera (STD Fig. 6, 7).
 
 use glam::{Affine3A, Quat, Vec3, Vec4};
 use sheer_core::parameter::{ParameterInfo, ParameterRange, Values};

@@ -1,4 +1,5 @@
-//! `plume`: smoke rises from a fire bowl in an empty court, lit from the side so that it shades itself (ST Fig. 8).
+//! `plume`: smoke rises from a fire bowl in an empty court, lit from the side so that it shades itself (ST
+//! Fig. 8).
 
 use std::f32::consts::TAU;
 
@@ -112,7 +113,8 @@ fn put_court(builder: &mut SceneBuilder, palette: &Palette, seed: u32) {
     builder.lamp("embers", Vec3::new(0.0, 1.25, 0.0), Vec3::new(5.0, 1.7, 0.4), 9.0);
 }
 
-/// Puffs of smoke in rings that the fire breathes out: each ring rises, widens, curls around its own core and leans with the wind.
+/// Puffs of smoke in rings that the fire breathes out: each ring rises, widens, curls around its own core and
+/// leans with the wind.
 fn plume(count: u32, density: f32, seed: u32) -> Vec<Particle> {
     let mut rng = Rng::new(seed, "plume");
     // The same optical depth whatever the count: fewer puffs are larger.
@@ -158,14 +160,14 @@ fn plume(count: u32, density: f32, seed: u32) -> Vec<Particle> {
         .collect()
 }
 
-/// A breath of the fire.
+/// A ring of smoke: what the fire breathes out at once.
 struct Ring {
     birth_secs: f32,
     /// How long the breath takes.
     spread_secs: f32,
     /// Where its middle is when it has dissolved.
     aim: Vec3,
-    /// Its radius then.
+    /// Radius of the ring when it has dissolved, metres.
     width: f32,
     phase: f32,
 }

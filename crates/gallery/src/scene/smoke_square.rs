@@ -1,4 +1,5 @@
-//! `smoke-square`: a cloud of smoke drifts over the town square, and the camera passes through it (STD Fig. 9 and 12).
+//! `smoke-square`: a cloud of smoke drifts over the town square, and the camera passes through it (STD Fig. 9
+//! and 12).
 //!
 //! In the middle of the cloud a ray meets tens of layers, which is where rendering all of them becomes slow.
 
@@ -109,7 +110,8 @@ const HEAD_COUNT: u32 = 22;
 const BILLOW_SIZE: u32 = 40;
 
 impl Head {
-    /// One of the heads, evenly spread over the loop and over the way from the fire to where the cloud dissolves.
+    /// One of the heads, evenly spread over the loop and over the way from the fire to where the cloud
+    /// dissolves.
     fn new(index: u32, rng: &mut Rng) -> Self {
         // Steps of the golden ratio: heads that are born one after the other lie apart.
         let way = (index as f32 * 0.618_034 + rng.about(0.0, 0.03)).rem_euclid(1.0);

@@ -1,5 +1,5 @@
-//! `windy-hill`: a girl sits on a hill in the wind; hairs, grass cards, scarf and kite are transparent and shadow one another and what is
-//! opaque (ST Fig. 1).
+//! `windy-hill`: a girl sits on a hill in the wind; hairs, grass cards, scarf and kite are transparent and
+//! shadow one another and what is opaque (ST Fig. 1).
 
 use std::f32::consts::{PI, TAU};
 
@@ -282,8 +282,9 @@ fn put_props(builder: &mut SceneBuilder, palette: &Palette, seed: u32) {
 /// Fair-weather clouds: heaps of puffs with flat feet.
 fn put_clouds(builder: &mut SceneBuilder, seed: u32) {
     let mut rng = Rng::new(seed, "clouds");
-    let atlas = TextureRef::new(builder.texture("cloud puffs", puff_atlas(seed.wrapping_add(5)), true));
-    // A cloud is so thick that light from all around comes out of it again: what single scattering lacks is added as a glow.
+    let atlas = TextureRef::new(builder.texture("cloud puffs", move || puff_atlas(seed.wrapping_add(5))));
+    // A cloud is so thick that light from all around comes out of it again: what single scattering lacks is
+    // added as a glow.
     let material = builder.material(Material {
         name: "cloud".to_owned(),
         model: ShadingModel::Smoke,
@@ -461,7 +462,7 @@ fn patch(shape: &mut Shape, corners: [Vec3; 3], threads: Vec3) {
 fn put_grass(builder: &mut SceneBuilder, swaying: u32, values: &Values) {
     let (count, seed) = (values.count("cards"), values.count(SEED.key));
     let noise = Noise { seed: seed.wrapping_add(900) };
-    let atlas = builder.texture("grass", grass::atlas(seed), true);
+    let atlas = builder.texture("grass", move || grass::atlas(seed));
     let material = builder.material(Material {
         name: "grass".to_owned(),
         model: ShadingModel::Fibre,

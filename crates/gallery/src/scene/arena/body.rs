@@ -1,4 +1,5 @@
-//! What the figures of the arena are made of: knights, mages, raiders and a golem, each part in the space of its joint.
+//! What the figures of the arena are made of: knights, mages, raiders and a golem, each part in the space of
+//! its joint.
 
 use std::f32::consts::{FRAC_PI_2, PI, TAU};
 
@@ -17,7 +18,7 @@ use crate::{
 /// Materials of the figures.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Wardrobe {
-    /// Polished, tinted.
+    /// Polished steel; the vertices give its colour.
     steel: u32,
     cloth: u32,
     wood: u32,
@@ -77,13 +78,13 @@ const PERSON: Build = Build {
 };
 const FOREARM: f32 = 0.27;
 
-/// An ellipsoid.
+/// Adds an ellipsoid whose axes are those of the shape.
 fn ball(shape: &mut Shape, centre: Vec3, radii: Vec3) {
     let mut unit = shape.like();
     let profile: Vec<(f32, f32)> = (0..=7)
         .map(|step| {
             let (sin, cos) = (PI * step as f32 / 7.0).sin_cos();
-            // Exactly none at the poles.
+            // Exactly zero at the poles: the sine of π is not.
             (if step % 7 == 0 { 0.0 } else { sin }, -cos)
         })
         .collect();
@@ -117,7 +118,8 @@ fn spike(shape: &mut Shape, base: Vec3, tip: Vec3, width: f32) {
     }
 }
 
-/// Which way a blade or a staff points in the space of the forearm: upwards and forwards once the elbow is bent.
+/// Which way a blade or a staff points in the space of the forearm: upwards and forwards once the elbow is
+/// bent.
 const GRIP: Vec3 = Vec3::new(0.0, -0.45, 0.893);
 
 /// A cape in the space of the chest, painted on both sides.
@@ -252,7 +254,8 @@ pub(super) fn knight(wardrobe: &Wardrobe, tint: Vec3) -> Body {
     }
 }
 
-/// A heater shield of half-width `half` and half-height `tall`, facing -Y with its top towards +Z, `thick` thick.
+/// A heater shield of half-width `half` and half-height `tall`, facing -Y with its top towards +Z, `thick`
+/// thick.
 fn heater(shape: &mut Shape, centre: Vec3, half: f32, tall: f32, thick: f32) {
     let outline: Vec<Vec3> = [(-1.0, 0.9), (0.0, 1.0), (1.0, 0.9), (0.92, 0.0), (0.55, -0.62), (0.0, -1.0)]
         .into_iter()
@@ -272,11 +275,13 @@ fn heater(shape: &mut Shape, centre: Vec3, half: f32, tall: f32, thick: f32) {
 pub(super) fn mage(wardrobe: &Wardrobe, team: Team, tint: Vec3) -> Body {
     let [mut hips, mut chest, mut head] = [Model::default(), Model::default(), Model::default()];
     let gold = linear_from_hex(0xc89a3c);
+    // A robe down to the ground, with a golden hem and belt.
     let robe = [(0.46, -0.86), (0.37, -0.62), (0.27, -0.30), (0.19, -0.05), (0.16, 0.08)];
     hips.paint(wardrobe.cloth, tint).lathe(Vec3::ZERO, &robe, 18);
     hips.paint(wardrobe.cloth, gold * 0.8).lathe(Vec3::ZERO, &[(0.467, -0.865), (0.44, -0.79)], 18);
     ball(hips.paint(wardrobe.cloth, gold * 0.5), Vec3::Y * 0.03, Vec3::new(0.185, 0.05, 0.16));
     let mut torso = Model::default();
+    // The chest under a golden collar, flattened from front to back.
     let cloth = [(0.15, 0.0), (0.17, 0.15), (0.215, 0.34), (0.21, 0.44), (0.10, 0.55), (0.0, 0.56)];
     torso.paint(wardrobe.cloth, tint).lathe(Vec3::ZERO, &cloth, 14);
     torso.paint(wardrobe.cloth, gold * 0.7).lathe(
@@ -295,6 +300,7 @@ pub(super) fn mage(wardrobe: &Wardrobe, team: Team, tint: Vec3) -> Body {
         [(0.13, 0.16), (0.31, 0.185), (0.30, 0.20), (0.145, 0.235), (0.115, 0.36), (0.06, 0.56), (0.0, 0.76)];
     hat.lathe(Vec3::new(0.0, 0.0, -0.01), &cone, 16);
     head.paint(wardrobe.cloth, gold).lathe(Vec3::new(0.0, 0.0, -0.01), &[(0.148, 0.23), (0.14, 0.275)], 16);
+    // Wide sleeves that show the hands; the right one holds a staff.
     let arms = [0, 1].map(|_| {
         let [mut upper, mut fore] = [Model::default(), Model::default()];
         sleeve(upper.paint(wardrobe.cloth, tint), PERSON.upper_arm, 0.085, 0.075);
@@ -340,7 +346,7 @@ fn staff(right: &mut Model, wardrobe: &Wardrobe, team: Team) {
     spike(crystal, middle, middle - GRIP * 0.09, 0.09);
 }
 
-/// From the hand to the crystal along the staff.
+/// Distance along the staff from the hand to the crystal.
 const STAFF_TIP: f32 = 0.92;
 
 /// The crystal of a staff in the space of the right hand.
@@ -454,7 +460,7 @@ fn rock(model: &mut Model, wardrobe: &Wardrobe, rng: &mut Rng, centre: Vec3, rad
     }
 }
 
-/// Where the boulders of a golem come from.
+/// Makes the boulders that a golem is piled up from.
 struct Quarry<'a> {
     wardrobe: &'a Wardrobe,
     rng: &'a mut Rng,
@@ -544,7 +550,8 @@ pub(super) fn golem(wardrobe: &Wardrobe, rng: &mut Rng) -> Body {
     Body { build: GOLEM, hips, chest, head, arms, legs, cape: None }
 }
 
-/// The plane of a sword stroke: a quarter of a turn that rises to the figure's left, as a crescent around the shoulder.
+/// The plane of a sword stroke: a quarter of a turn that rises to the figure's left, as a crescent around the
+/// shoulder.
 pub(super) fn crescent(material: u32, inner: f32, outer: f32) -> Model {
     let mut model = Model::default();
     let shape = model.paint(material, Vec3::ONE);

@@ -13,11 +13,11 @@ use crate::{builder::SceneBuilder, kit::palette::Palette, rng::Rng};
 pub(super) struct Cast {
     /// Holds the barrier against the golem.
     pub(super) warden: Actor,
-    /// Throws water.
+    /// Throws water at the golem.
     pub(super) tidecaller: Actor,
     /// Stands in a pillar of light.
     pub(super) healer: Actor,
-    /// In front on the right, at the golem's feet, and on the left behind.
+    /// One fights in front on the right, one at the golem's feet, one on the left behind.
     pub(super) knights: [Actor; 3],
     pub(super) golem: Actor,
     /// Throw fire and violet bolts.
@@ -162,7 +162,7 @@ const REEL: Pose = Pose {
 
 /// When the golem's fists reach the ground.
 pub(super) const SMASH_SECS: f32 = 3.1;
-/// From when to when fire comes out of its mouth.
+/// When the golem breathes fire: start and end, seconds.
 pub(super) const BREATH_SECS: [f32; 2] = [5.1, 7.3];
 
 /// While the warden holds the barrier, and while water is called.
@@ -180,14 +180,14 @@ const GOLEM_MARKS: Marks =
 const WARDEN_MARKS: Marks =
     &[(0.0, -3.6, 1.5), (2.6, -3.6, 1.5), (3.6, -2.7, 1.5), (8.6, -2.7, 1.5), (9.8, -3.6, 1.5)];
 
-/// Who lets figures enter.
+/// What adding a figure takes.
 struct Casting<'a> {
     builder: &'a mut SceneBuilder,
     wardrobe: Wardrobe,
     rng: Rng,
 }
 
-/// Lets everybody enter.
+/// Adds all figures, each with its body, its path and its moves.
 pub(super) fn assemble(builder: &mut SceneBuilder, palette: &Palette, seed: u32) -> Cast {
     let wardrobe = Wardrobe::new(builder, palette);
     let mut casting = Casting { builder, wardrobe, rng: Rng::new(seed, "cast") };

@@ -1,4 +1,5 @@
-//! Figures of the arena: a skeleton of rigid parts, poses, and a part in the fight played at a fixed rate into keyframes.
+//! Figures of the arena: a skeleton of rigid parts, poses, and a part in the fight played at a fixed rate
+//! into keyframes.
 //!
 //! A figure faces +Z, its right hand is at -X, limbs hang along -Y. Angles are radians.
 
@@ -7,9 +8,10 @@ use std::f32::consts::{PI, TAU};
 use glam::{Affine3A, EulerRot, Quat, Vec2, Vec3};
 use sheer_scene::model::{Animation, Channel, Influence, Interpolation, Keys, Track};
 
-use super::CLIP_SECS;
 use crate::{builder::SceneBuilder, shape::Model};
 
+/// The clip starts anew after this time.
+pub(super) const CLIP_SECS: f32 = 10.0;
 /// Keys a second: a strike of 0.15 s still gets three.
 const KEYS_PER_SEC: u32 = 20;
 const KEY_COUNT: u32 = CLIP_SECS as u32 * KEYS_PER_SEC + 1;
@@ -48,13 +50,13 @@ const CAPE_JOINTS: usize = 4;
 pub(super) struct Build {
     pub(super) thigh: f32,
     pub(super) shin: f32,
-    /// From the ankle forwards to the toes and back to the heel; a foot is one with its shin.
+    /// Reach of the foot from the ankle forwards to the toes and back to the heel; it is one with its shin.
     pub(super) toe: f32,
     pub(super) heel: f32,
     /// Half the distance of the hip joints, and of the shoulders.
     pub(super) hip: f32,
     pub(super) shoulder: f32,
-    /// From the hips up to the shoulders and to the neck.
+    /// Height of the shoulders and of the neck above the hips.
     pub(super) shoulder_height: f32,
     pub(super) neck: f32,
     /// How far the neck lies in front of the spine.
@@ -80,7 +82,7 @@ pub(super) struct Body {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Limb {
     pub(super) forward: f32,
-    /// Away from the body.
+    /// Swing away from the body, to the side.
     pub(super) out: f32,
     /// Bend of elbow or knee.
     pub(super) flex: f32,
@@ -89,12 +91,12 @@ pub(super) struct Limb {
 /// Angles of a whole figure.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Pose {
-    /// Of the chest: forwards, and to the figure's left.
+    /// Of the chest: how far it leans forwards, and how far it turns to the figure's left.
     pub(super) lean: f32,
     pub(super) turn: f32,
-    /// Of the head, downwards.
+    /// How far the head looks down.
     pub(super) nod: f32,
-    /// Right then left.
+    /// The right arm, then the left.
     pub(super) arms: [Limb; 2],
     pub(super) legs: [Limb; 2],
 }
@@ -132,7 +134,8 @@ pub(super) type Move = &'static [(f32, Pose)];
 
 /// A figure's part in the fight.
 pub(super) struct Part<'a> {
-    /// Where it stands when: seconds, x, z. Between marks that differ it walks; the last is the first, since the clip loops.
+    /// Where it stands when: seconds, x, z. Between marks that differ it walks; the last is the first, since
+    /// the clip loops.
     pub(super) marks: &'a [(f32, f32, f32)],
     /// The point on the ground that it faces: seconds, x, z.
     pub(super) gaze: &'a [(f32, f32, f32)],
@@ -279,7 +282,7 @@ fn local_transforms(build: &Build, pose: &Pose, at: Vec2, heading: Vec2) -> [(Ve
     joints
 }
 
-/// Puts a figure on stage and lets it play its part.
+/// Adds a figure with its joints, hangs its parts on them and bakes the moves of its part into keys.
 pub(super) fn enter(builder: &mut SceneBuilder, name: &str, body: Body, part: &Part<'_>) -> Actor {
     let played = part.play(&body.build);
     let mut nodes = [0; JOINT_COUNT];
@@ -322,8 +325,8 @@ pub(super) fn enter(builder: &mut SceneBuilder, name: &str, body: Body, part: &P
     Actor { root: nodes[ROOT], keys: played.iter().map(world).collect(), moves: part.moves.to_vec() }
 }
 
-/// A cape of a length, hung up at a point in the space of the chest, bends along a chain of joints: it trails behind a figure that runs, and
-/// sways.
+/// A cape of a length, hung up at a point in the space of the chest, bends along a chain of joints: it trails
+/// behind a figure that runs, and sways.
 fn wear_cape(
     builder: &mut SceneBuilder,
     name: &str,

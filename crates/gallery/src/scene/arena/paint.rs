@@ -9,7 +9,7 @@ use crate::paint::{Noise, paint_colour, smoothstep};
 
 /// Columns and rows of [`flames`].
 pub(super) const FLAME_ATLAS: [u32; 2] = [4, 4];
-/// Its first twelve tiles are flames; these are the others.
+/// Number of tiles of the atlas that show flames: the first twelve. The constants below are the others.
 pub(super) const FLAME_TILES: u32 = 12;
 pub(super) const GLOW: u32 = 12;
 pub(super) const SPARK: u32 = 13;
@@ -26,7 +26,8 @@ fn to_segment(p: Vec2, a: Vec2, b: Vec2) -> f32 {
     p.distance(a.lerp(b, along))
 }
 
-/// A letter that nobody can read, made of strokes between the points of a 3×3 grid, in the square from -1 to 1.
+/// A letter that nobody can read, made of strokes between the points of a 3×3 grid, in the square from -1 to
+/// 1.
 fn rune(noise: Noise, p: Vec2, letter: i32) -> f32 {
     let point = |index: u32| {
         let pick = noise.lattice(IVec2::new(letter, index as i32), IVec2::splat(64), 3) * 8.999;
@@ -92,7 +93,8 @@ pub(super) fn curtain(seed: u32) -> Image<[u8; 4]> {
     })
 }
 
-/// Twelve tongues of flame, a soft glow, a spark and a drop. Flames are white within, yellow around it and red at their rim.
+/// Twelve tongues of flame, a soft glow, a spark and a drop. Flames are white within, yellow around it and
+/// red at their rim.
 pub(super) fn flames(seed: u32) -> Image<[u8; 4]> {
     paint_colour(512, |uv| {
         let scaled = uv * Vec2::new(FLAME_ATLAS[0] as f32, FLAME_ATLAS[1] as f32);

@@ -1,6 +1,7 @@
 //! The effects of the arena: everything that is transparent, when it comes and when it goes.
 //!
-//! Light that shines by itself is a surface of that radiance which covers what is behind it; nothing is added to what is behind.
+//! Light that shines by itself is a surface of that radiance which covers what is behind it; nothing is added
+//! to what is behind.
 
 use std::f32::consts::{PI, TAU};
 
@@ -11,12 +12,11 @@ use sheer_scene::{
 };
 
 use super::{
-    CLIP_SECS,
     body::{GOLEM_MOUTH, crescent, staff_tip},
     cast::{BARRIER_SECS, BREATH_SECS, CAST, Cast, HEART, SLASH, SMASH_SECS, WATER_SECS},
-    figure::{Actor, CHEST, HEAD, LEFT_HAND, RIGHT_HAND, ROOT},
+    figure::{Actor, CHEST, CLIP_SECS, HEAD, LEFT_HAND, RIGHT_HAND, ROOT},
     paint::{self, DROP, FLAME_ATLAS, FLAME_TILES, GLOW, SPARK},
-    place,
+    ring,
 };
 use crate::{
     builder::SceneBuilder,
@@ -48,7 +48,7 @@ const BARRIER_HEIGHT: f32 = 3.3;
 const BRAZIER_LOOP_SECS: f32 = 2.0;
 const GRAVITY: Vec3 = Vec3::new(0.0, -9.81, 0.0);
 
-/// At whom a bolt is thrown, and how far before the heart it bursts.
+/// The figure that a bolt is thrown at, and how far before its heart the bolt bursts.
 type Target<'a> = (&'a Actor, f32);
 
 /// Effects in the making.
@@ -129,7 +129,8 @@ impl Conjurer<'_> {
         (base as f32 * self.amount).round() as u32
     }
 
-    /// Whether the next of the effects that are meshes is there: all by default, an even share of them below that.
+    /// Whether the next of the effects that are meshes is there: all by default, an even share of them below
+    /// that.
     fn next_is_there(&mut self) -> bool {
         self.asked += 1;
         (self.asked as f32 * 0.618_034).fract() < self.amount
@@ -161,7 +162,7 @@ impl Conjurer<'_> {
     }
 
     fn raise_shields(&mut self) {
-        let facet = self.builder.texture("facet", paint::facet(), true);
+        let facet = self.builder.texture("facet", paint::facet);
         let cast = self.cast;
         let shields: [(&Actor, f32, Vec3, [f32; 2]); 9] = [
             (&cast.tidecaller, 1.30, SEA, [1.5, 8.7]),
@@ -202,7 +203,8 @@ impl Conjurer<'_> {
         }
     }
 
-    /// From the holder of the barrier towards the golem's mouth, along the ground.
+    /// Where the holder of the barrier stands, and the unit direction along the ground from there to the
+    /// golem's mouth.
     fn against_golem(&self) -> (Vec3, Vec3) {
         let middle = 0.5 * (BREATH_SECS[0] + BREATH_SECS[1]);
         let warden = self.cast.warden.point(ROOT, Vec3::ZERO, middle);
@@ -211,7 +213,7 @@ impl Conjurer<'_> {
     }
 
     fn raise_barrier(&mut self, seed: u32) {
-        let texture = self.builder.texture("curtain", paint::curtain(seed), true);
+        let texture = self.builder.texture("curtain", move || paint::curtain(seed));
         let material = self.shining("barrier", Some(texture), (1.5 * ICE).extend(0.95));
         let (warden, towards) = self.against_golem();
         for shell in 0..1 + self.amount.ceil() as u32 {
@@ -233,7 +235,8 @@ impl Conjurer<'_> {
         self.flare("barrier", warden + 1.4 * towards + Vec3::Y * 1.2, 7.0 * ICE, 7.0, BARRIER_SECS);
     }
 
-    /// A lamp that is there for a while; the rest of the time it is too deep under the ground to reach anything.
+    /// A lamp that is there for a while; the rest of the time it is too deep under the ground to reach
+    /// anything.
     fn flare(&mut self, name: &str, at: Vec3, candela: Vec3, range: f32, [start, end]: [f32; 2]) {
         let below = at - Vec3::Y * (2.0 * range + 10.0);
         let node = self.builder.joint(name, None, below);
@@ -247,7 +250,7 @@ impl Conjurer<'_> {
     }
 
     fn draw_circles(&mut self, seed: u32) {
-        let texture = self.builder.texture("circle", paint::circle(seed), true);
+        let texture = self.builder.texture("circle", move || paint::circle(seed));
         let cast = self.cast;
         let circles: [(&Actor, f32, Vec3, [f32; 2]); 6] = [
             (&cast.tidecaller, 1.6, SEA, [0.9, 8.9]),
@@ -320,7 +323,7 @@ impl Conjurer<'_> {
 
     /// What a blade leaves in the air.
     fn swing_blades(&mut self, seed: u32) {
-        let texture = self.builder.texture("trail", paint::trail(seed), true);
+        let texture = self.builder.texture("trail", move || paint::trail(seed));
         let cast = self.cast;
         let bright = self.shining("trail", Some(texture), Vec4::new(1.5, 2.1, 2.8, 0.9));
         let dark = self.shining("trail", Some(texture), Vec4::new(2.8, 0.55, 0.16, 0.9));
@@ -408,7 +411,8 @@ impl Conjurer<'_> {
         for (caster, colour, targets) in throws {
             for (start, &(target, before)) in caster.starts(CAST).zip(targets.iter().cycle()) {
                 for shot in 0..self.number(3) {
-                    // With the thrust of the staff; one after the other, the whole salvo in a third of a second.
+                    // The salvo flies off with the thrust of the staff, bolt after bolt within a third of a
+                    // second.
                     let start = start + 0.46 + 0.33 * shot as f32 / (3.0 * self.amount);
                     self.throw(caster, start, target, before, colour);
                 }
@@ -418,6 +422,7 @@ impl Conjurer<'_> {
 
     /// A bolt with its trail and its burst.
     fn throw(&mut self, caster: &Actor, start: f32, target: &Actor, before: f32, colour: Vec3) {
+        // It flies on a parabola that bends at random and ends where it meets its target.
         let from = caster.point(RIGHT_HAND, staff_tip(), start);
         let aim = target.point(CHEST, HEART, start + 0.6) + self.rng.gaussian() * 0.15;
         let to = aim - (aim - from).normalize() * before;
@@ -426,12 +431,14 @@ impl Conjurer<'_> {
             Vec3::new(self.rng.about(0.0, 5.0), self.rng.between(-9.0, -1.0), self.rng.about(0.0, 5.0));
         let velocity = (to - from) / flight_secs - 0.5 * bend * flight_secs;
         let flying = Particle { velocity, acceleration: bend, ..mote(start, flight_secs, from) };
+        // The bolt itself: a halo, a glow and a white core that fly together.
         let white = Vec3::splat(0.5) + colour;
         for (half_size, alpha, tint) in
             [(0.55, 0.45, 2.0 * colour), (0.24, 0.85, 3.5 * colour), (0.11, 1.0, 6.0 * white)]
         {
             self.light.push(Particle { half_size: [half_size; 2], alpha, tint, ..flying });
         }
+        // Sparks that it leaves along its way.
         for _ in 0..self.number(22) {
             let age = self.rng.unit() * flight_secs;
             let at = from + velocity * age + 0.5 * bend * age * age;
@@ -445,6 +452,7 @@ impl Conjurer<'_> {
                 ..mote(start + age, self.rng.between(0.25, 0.65), at + self.rng.gaussian() * 0.03)
             });
         }
+        // It bursts in a flash and throws sparks back.
         let burst_secs = start + flight_secs;
         self.light.push(Particle {
             half_size: [0.3, 1.0],
@@ -601,7 +609,8 @@ impl Conjurer<'_> {
                     acceleration: -out / lifetime_secs * 0.85,
                     half_size: [0.2, self.rng.between(0.5, 0.95)],
                     alpha: self.rng.between(0.20, 0.48),
-                    // As in a cloud, light scatters many times.
+                    // Light scatters many times in a puff, so that it is brighter than single scattering
+                    // makes it.
                     tint: Vec3::new(2.2, 1.75, 1.4),
                     ..puff(SMASH_SECS + self.rng.between(-0.02, 0.1), lifetime_secs, fist, &mut self.rng)
                 });
@@ -640,7 +649,7 @@ impl Conjurer<'_> {
     /// Fire in the braziers, and sparks that fly up from it.
     fn kindle(&mut self) -> Vec<Particle> {
         let mut flames = Vec::new();
-        for fire in place::braziers() {
+        for fire in ring::braziers() {
             for _ in 0..self.number(56) {
                 let around = self.rng.gaussian() * Vec3::new(0.20, 0.02, 0.20);
                 let lifetime_secs = self.rng.between(0.6, 1.15);
@@ -681,7 +690,7 @@ impl Conjurer<'_> {
         let flames = self.kindle();
         let clouds = self.clouds();
 
-        let atlas = self.builder.texture("flames", paint::flames(seed), true);
+        let atlas = self.builder.texture("flames", move || paint::flames(seed));
         let shining = self.shining("flames", Some(atlas), Vec4::ONE);
         let water = self.builder.material(Material {
             name: "drops".to_owned(),
@@ -725,7 +734,7 @@ impl Conjurer<'_> {
         let mut clouds = Vec::new();
         for bank in 0..self.number(9) {
             let turn = 0.53 + 0.045 * (bank as f32 - 4.0) + self.rng.about(0.0, 0.015);
-            let middle = place::around(turn, self.rng.between(155.0, 170.0), self.rng.between(34.0, 60.0));
+            let middle = ring::around(turn, self.rng.between(155.0, 170.0), self.rng.between(34.0, 60.0));
             let across = Vec3::Y.cross(middle).normalize();
             for _ in 0..7 {
                 let stray = self.rng.gaussian();
@@ -750,8 +759,8 @@ impl Conjurer<'_> {
     }
 }
 
-/// A unit sphere of triangles that show their edges. Four small triangles carry one of the texture's, so that the sphere is rounder than its
-/// pattern.
+/// A unit sphere of triangles that show their edges. Four small triangles carry one of the texture's, so that
+/// the sphere is rounder than its pattern.
 fn geodesic(material: u32) -> Model {
     let mut model = Model::default();
     let shape = model.paint(material, Vec3::ONE);
@@ -783,7 +792,8 @@ fn geodesic(material: u32) -> Model {
     model
 }
 
-/// Splits a triangle of the unit sphere `depth` times; the texture is fitted to the triangles before the last split.
+/// Splits a triangle of the unit sphere `depth` times; the texture is fitted to the triangles before the last
+/// split.
 fn split(shape: &mut Shape, corners: [Vec3; 3], uvs: Option<[Vec2; 3]>, depth: u32) {
     if depth == 0 {
         let first = shape.positions.len() as u32;

@@ -1,4 +1,5 @@
-//! The ground of the arena: a ring of stone under an evening sky, pillars with banners, terraces, braziers and hills.
+//! The ground of the arena: a ring of stone under an evening sky, pillars with banners, terraces, braziers
+//! and hills.
 //!
 //! The sun has nearly set behind the figures (-Z), so that everything stands against the light.
 
@@ -21,17 +22,18 @@ use crate::{
 
 /// The fighting floor, up to its kerb.
 pub(super) const FLOOR_RADIUS: f32 = 10.0;
-/// Beyond it stand pillars.
+/// Pillars stand on this circle, around the floor.
 const PILLAR_RADIUS: f32 = 11.8;
 const PILLAR_COUNT: u32 = 14;
 const PILLAR_HEIGHT: f32 = 5.4;
 /// The wall at the foot of the terraces, and the outer edge of all.
 const WALL_RADIUS: f32 = 14.2;
 pub(super) const ARENA_RADIUS: f32 = 21.0;
-/// Where fire burns, by share of a turn from +Z to +X, just within the kerb.
+/// Directions of the braziers, as shares of a turn from +Z to +X; they stand just within the kerb.
 const BRAZIER_TURNS: [f32; 6] = [0.14, 0.30, 0.43, 0.525, 0.70, 0.86];
 const BRAZIER_RADIUS: f32 = 9.1;
-/// Where the sun sets: seen between two pillars from where the still camera stands, and through the gate, so that its light reaches the floor.
+/// Direction in which the sun sets, as a share of a turn: seen between two pillars from where the still
+/// camera stands, and through the gate, so that its light reaches the floor.
 const SUN_TURN: f32 = 0.542;
 const GATE_TURN: f32 = 0.545;
 /// The hills open to a valley there, within this share of a turn.
@@ -66,7 +68,7 @@ pub(super) fn around(turn: f32, radius: f32, height: f32) -> Vec3 {
     Vec3::new(radius * sin, height, radius * cos)
 }
 
-/// Where the braziers burn.
+/// Points at which the fires of the braziers burn.
 pub(super) fn braziers() -> [Vec3; 6] {
     BRAZIER_TURNS.map(|turn| around(turn, BRAZIER_RADIUS, 0.86 * BRAZIER_SCALE))
 }
@@ -266,7 +268,7 @@ fn pillar(palette: &Palette, height: f32, rng: &mut Rng) -> Model {
 
 fn put_pillars(builder: &mut SceneBuilder, palette: &Palette, seed: u32) {
     let mut rng = Rng::new(seed, "pillars");
-    let texture = builder.texture("banner", paint::banner(seed), true);
+    let texture = builder.texture("banner", move || paint::banner(seed));
     let cloth = builder.material(Material {
         name: "banner".to_owned(),
         base_colour_texture: Some(TextureRef::new(texture)),
@@ -371,7 +373,7 @@ fn put_braziers(builder: &mut SceneBuilder, palette: &Palette, seed: u32) {
             fire.with_y(0.0),
         );
         builder.place(&bowl, place);
-        // Above the flames, which would swallow its light.
+        // The lamp hangs above the flames, which would swallow its light.
         builder.lamp("brazier", fire + Vec3::Y * 0.75, Vec3::new(15.0, 6.0, 1.6), 7.5);
     }
 }
