@@ -12,21 +12,21 @@ const ORBIT_PERIOD_SECS: f32 = 12.0;
 pub struct Camera {
     /// Name for `--camera NAME`; built-in scenes use `static` and `path`.
     pub name: String,
-    /// Its lens.
+    /// What the camera sees from where it is.
     pub lens: Lens,
-    /// How it is placed.
+    /// Where it is at a time.
     pub motion: CameraMotion,
 }
 
 /// What a camera sees from where it is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Lens {
-    /// A pinhole.
+    /// A pinhole: what is further away is smaller.
     Perspective {
         /// Full vertical field of view, radians.
         yfov_rad: f32,
     },
-    /// Parallel rays.
+    /// Parallel rays: what is further away is as large as what is near.
     Orthographic {
         /// Half the height of the view, world units.
         half_height: f32,
@@ -38,7 +38,8 @@ pub enum Lens {
 pub enum CameraMotion {
     /// It hangs on a node, animated or not.
     Node(u32),
-    /// A smooth path through keys (centripetal Catmull-Rom), held before the first and after the last, or closed.
+    /// A smooth path through keys: a cubic Hermite spline whose tangents are finite differences, held before
+    /// the first key and after the last.
     Path {
         /// Keys in order of time, at least one; with one key the camera is static.
         keys: Vec<CameraKey>,
@@ -57,9 +58,9 @@ pub enum CameraMotion {
 /// One key of a camera path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CameraKey {
-    /// Seconds.
+    /// When the camera is there, seconds.
     pub time_secs: f32,
-    /// Position in world.
+    /// Where the camera is, world.
     pub eye: Vec3,
     /// Looked-at point in world; never the eye itself.
     pub target: Vec3,
@@ -70,14 +71,14 @@ pub struct CameraKey {
 pub struct CameraPose {
     /// Rigid; the camera looks along its own -Z, +Y is up.
     pub world_from_camera: Affine3A,
-    /// Its lens.
+    /// What the camera sees from where it is.
     pub lens: Lens,
 }
 
 /// A ray of a camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CameraRay {
-    /// Origin in world.
+    /// Where it starts, world.
     pub origin: Vec3,
     /// Unit direction in world.
     pub direction: Vec3,
@@ -101,7 +102,8 @@ impl Camera {
         Self { name: "orbit".to_owned(), lens, motion }
     }
 
-    /// The pose at a time of a camera on a path or an orbit; `None` for one that hangs on a node, which goes where the animation takes it.
+    /// The pose at a time of a camera on a path or an orbit; `None` for one that hangs on a node, which goes
+    /// where the animation takes it.
     #[must_use]
     pub fn pose_on_rails(&self, time_secs: f32) -> Option<CameraPose> {
         match &self.motion {
@@ -129,7 +131,7 @@ impl CameraPose {
         Self { world_from_camera: Affine3A::from_mat3_translation(rotation, eye), lens }
     }
 
-    /// Position in world.
+    /// Where the camera is, world.
     #[must_use]
     pub fn eye(&self) -> Vec3 {
         self.world_from_camera.translation.into()
@@ -141,10 +143,12 @@ impl CameraPose {
         -Vec3::from(self.world_from_camera.matrix3.z_axis)
     }
 
-    /// The ray through `pixel` (pixel units, origin in the upper left corner, centres at halves) of an image of `size` pixels.
+    /// The ray through `pixel` (pixel units, origin in the upper left corner, centres at halves) of an image
+    /// of `size` pixels.
     #[must_use]
     pub fn ray(&self, pixel: Vec2, size: Vec2) -> CameraRay {
-        // Times the reciprocal: a GPU's division need not round like ours, and a last bit decides which of two coincident surfaces is in front.
+        // Times the reciprocal: a GPU's division need not round like ours, and a last bit decides which of
+        // two coincident surfaces is in front.
         let ndc = Vec2::new(2.0 * pixel.x - size.x, size.y - 2.0 * pixel.y) * size.y.recip();
         match self.lens {
             Lens::Perspective { yfov_rad } => {

@@ -7,11 +7,11 @@ use glam::Vec3;
 /// A vertical gradient plus soft lobes, all linear radiance.
 #[derive(Clone, Debug)]
 pub struct Environment {
-    /// Straight up.
+    /// Linear radiance from straight above.
     pub zenith: Vec3,
-    /// At eye level.
+    /// Linear radiance from the horizon.
     pub horizon: Vec3,
-    /// Straight down.
+    /// Linear radiance from straight below.
     pub ground: Vec3,
     /// Soft boxes, the glow around a sun: what reflections live on.
     pub lobes: Vec<Lobe>,
@@ -22,7 +22,7 @@ pub struct Environment {
 pub struct Lobe {
     /// Unit direction towards the brightest point.
     pub direction: Vec3,
-    /// Radiance there.
+    /// Linear radiance of the brightest point.
     pub radiance: Vec3,
     /// Greater is smaller: 2 fills a third of the sky, 500 is a lamp.
     pub sharpness: f32,
@@ -41,8 +41,8 @@ impl Environment {
         Self { zenith: Vec3::ZERO, horizon: Vec3::ZERO, ground: Vec3::ZERO, lobes: Vec::new() }
     }
 
-    /// What a file without lights is shown in: a dim grey room with a key, a fill, a rim light and a large soft one
-    /// in front. Dim, so that white things stand out and metals have something dark to reflect.
+    /// What a file without lights is shown in: a dim grey room with a key, a fill, a rim light and a large
+    /// soft one in front. Dim, so that white things stand out and metals have something dark to reflect.
     #[must_use]
     pub fn neutral_studio() -> Self {
         let lobe = |x: f32, y: f32, z: f32, strength: f32, sharpness: f32| Lobe {
@@ -63,14 +63,15 @@ impl Environment {
         }
     }
 
-    /// Radiance arriving from a unit direction, averaged over a lobe of the given width: 0 is a mirror's view, 1 nearly the whole
-    /// hemisphere (perceptual roughness).
+    /// Radiance arriving from a unit direction, averaged over a lobe of the given width: 0 is a mirror's
+    /// view, 1 nearly the whole hemisphere (perceptual roughness).
     #[must_use]
     pub fn radiance(&self, direction: Vec3, roughness: f32) -> Vec3 {
         // The gradient is smooth: blurring it pulls the height towards the horizon's mix.
         let blur = 1.0 - 0.6 * roughness * roughness;
         let mut sum = self.gradient(direction.y * blur);
-        // A rough reflection is itself a spherical Gaussian; the product's width adds as 1/sharpness (Wang et al. 2009, section 3.2).
+        // A rough reflection is itself a spherical Gaussian; the product's width adds as 1/sharpness (Wang et
+        // al. 2009, section 3.2).
         let alpha = (roughness * roughness).max(1e-3);
         let view_sharpness = 2.0 / (alpha * alpha) / 4.0;
         for lobe in &self.lobes {
@@ -81,10 +82,12 @@ impl Environment {
         sum
     }
 
-    /// Irradiance on a surface with the given unit normal, divided by pi: the radiance that a white diffuse surface shows.
+    /// Irradiance on a surface with the given unit normal, divided by pi: the radiance that a white diffuse
+    /// surface shows.
     #[must_use]
     pub fn diffuse(&self, normal: Vec3) -> Vec3 {
-        // Cosine-weighted mean of the gradient in closed form: the hemisphere's mean height is 2/3 of the normal's.
+        // Cosine-weighted mean of the gradient in closed form: the hemisphere's mean height is 2/3 of the
+        // normal's.
         let mut sum = self.gradient(normal.y * (2.0 / 3.0));
         for lobe in &self.lobes {
             // Lobe integral times a clamped cosine softened by the lobe's width.

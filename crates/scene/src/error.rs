@@ -16,15 +16,15 @@ pub enum SceneError {
     /// The file or a file it refers to cannot be read.
     #[error("cannot read {path}: {source}")]
     Read {
-        /// The file.
+        /// The file that is read.
         path: PathBuf,
-        /// Why.
+        /// Why the system cannot read it.
         source: std::io::Error,
     },
     /// The file breaks its format, or asks for what is not supported.
     #[error("{path}: {place}: {problem}")]
     File {
-        /// The file.
+        /// The file that is read.
         path: PathBuf,
         /// Node, mesh, accessor, image… with index and name.
         place: String,
@@ -34,21 +34,21 @@ pub enum SceneError {
     /// A scene put together by a program is not valid.
     #[error("scene '{scene}': {place}: {problem}")]
     Invalid {
-        /// Scene name.
+        /// Name of the scene.
         scene: String,
-        /// Part and index.
+        /// Which part is wrong: its kind, index and name.
         place: String,
-        /// What is wrong.
+        /// What is wrong with the part.
         problem: String,
     },
     /// The asked-for camera is not there.
     #[error("scene '{scene}' has no camera '{wanted}'; it has: {available}")]
     NoCamera {
-        /// Scene name.
+        /// Name of the scene.
         scene: String,
-        /// What was asked for.
+        /// Name of the camera that was asked for.
         wanted: String,
-        /// What there is.
+        /// Names of the cameras that it has.
         available: String,
     },
 }

@@ -8,9 +8,11 @@ use crate::model::{Interpolation, Keys, Track};
 
 /// A value that an animation can interpolate between its keys.
 pub trait Interpolate: Clone {
-    /// The value at the share `s`, 0 to 1, of the way from `self` to `to`: straight, or along the great arc for a rotation.
+    /// The value at the share `s`, 0 to 1, of the way from `self` to `to`: straight, or along the great arc
+    /// for a rotation.
     fn linear(&self, to: &Self, s: f32) -> Self;
-    /// The weighted sum of four values that a cubic spline asks for; a rotation comes back as a unit quaternion.
+    /// The weighted sum of four values that a cubic spline asks for; a rotation comes back as a unit
+    /// quaternion.
     fn sum(terms: [(&Self, f32); 4]) -> Self;
 }
 
@@ -59,7 +61,8 @@ impl<T: Interpolate> Keys<T> {
     /// The value at a time; held before the first key and after the last.
     ///
     /// # Panics
-    /// Without keys, or with fewer values than the interpolation asks for: neither occurs in a validated scene.
+    /// Without keys, or with fewer values than the interpolation asks for: neither occurs in a validated
+    /// scene.
     #[must_use]
     pub fn value_at(&self, time_secs: f32) -> T {
         let next = self.times_secs.partition_point(|&key| key <= time_secs);

@@ -1,7 +1,8 @@
 //! Validated scenes: their parts, files that they come from, animation.
 //!
-//! A [`Scene`] is validated once and then immutable. [`Animator`] turns a scene and a time into a [`Frame`]: world-space triangles, their
-//! opacity, and surfaces to shade. Loaders live in [`load`], one file a format; built-in scenes in a crate of their own, `sheer-gallery`.
+//! A [`Scene`] is validated once and then immutable. [`Animator`] turns a scene and a time into a [`Frame`]:
+//! world-space triangles, their opacity, and surfaces to shade. Loaders live in [`load`], one file a format;
+//! built-in scenes in a crate of their own, `sheer-gallery`.
 
 pub mod camera;
 mod content_hash;

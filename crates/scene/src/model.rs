@@ -1,8 +1,9 @@
-//! The parts a scene is made of: plain data that loaders and programs fill in and [`Scene::new`](crate::Scene::new)
-//! validates once.
+//! The parts a scene is made of: plain data that loaders and programs fill in and
+//! [`Scene::new`](crate::Scene::new) validates once.
 //!
-//! Spaces: `object` is a mesh's own, `world` is right-handed with +Y up, metres. A camera and a spot or directional light look along
-//! their node's -Z (glTF 2.0). Texture coordinates have their origin in the upper left corner. All colour factors are linear Rec. 709.
+//! Spaces: `object` is a mesh's own, `world` is right-handed with +Y up, metres. A camera and a spot or
+//! directional light look along their node's -Z (glTF 2.0). Texture coordinates have their origin in the
+//! upper left corner. All colour factors are linear Rec. 709.
 
 use std::sync::Arc;
 
@@ -30,7 +31,7 @@ pub struct SceneParts {
     pub textures: Vec<Texture>,
     /// Animations that all play at once, each looping by its own duration.
     pub animations: Vec<Animation>,
-    /// Camera-facing particle quads.
+    /// Systems of particles, each drawn as a quad that faces the camera.
     pub particles: Vec<ParticleSystem>,
     /// Punctual lights and the sun.
     pub lights: Vec<Light>,
@@ -49,38 +50,38 @@ pub struct Node {
     pub name: String,
     /// Index of the parent, which is smaller than this node's own.
     pub parent: Option<u32>,
-    /// `parent_from_node` at rest.
+    /// `parent_from_node` while no animation moves it.
     pub transform: Transform,
 }
 
-/// A local transform.
+/// Where a node is in the space of its parent.
 #[derive(Clone, Copy, Debug)]
 pub enum Transform {
     /// Scale, then rotation, then translation; the only form that can be animated.
     Trs {
         /// Offset in the parent's space.
         translation: Vec3,
-        /// Unit quaternion.
+        /// A unit quaternion.
         rotation: Quat,
         /// Factors, negative ones mirror.
         scale: Vec3,
     },
-    /// Any affine map.
+    /// An affine map, which need not be made of scale, rotation and translation.
     Matrix(Affine3A),
 }
 
 impl Transform {
-    /// The identity.
+    /// Leaves a node where its parent is.
     pub const IDENTITY: Self =
         Self::Trs { translation: Vec3::ZERO, rotation: Quat::IDENTITY, scale: Vec3::ONE };
 
-    /// A pure translation.
+    /// A translation without rotation or scale.
     #[must_use]
     pub fn from_translation(translation: Vec3) -> Self {
         Self::Trs { translation, rotation: Quat::IDENTITY, scale: Vec3::ONE }
     }
 
-    /// As an affine map, `parent_from_node`.
+    /// The transform as an affine map, `parent_from_node`.
     #[must_use]
     pub fn to_affine(self) -> Affine3A {
         match self {
@@ -99,12 +100,12 @@ pub struct Mesh {
     pub name: String,
     /// Index into [`SceneParts::materials`].
     pub material: u32,
-    /// Vertex positions.
+    /// Positions of the vertices in object space.
     pub positions: Vec<Vec3>,
     /// Unit vertex normals; none: flat shading.
     pub normals: Vec<Vec3>,
-    /// Unit tangents with the bitangent's sign in w (glTF); none, or a mesh that is skinned or morphed: derived from the texture
-    /// coordinates where a normal map needs them.
+    /// Unit tangents with the bitangent's sign in w (glTF); none, or a mesh that is skinned or morphed:
+    /// derived from the texture coordinates where a normal map needs them.
     pub tangents: Vec<Vec4>,
     /// Texture coordinate sets, `TEXCOORD_0` first, each as long as `positions`.
     pub uv_sets: Vec<Vec<Vec2>>,
@@ -112,7 +113,8 @@ pub struct Mesh {
     pub colours: Vec<Vec4>,
     /// Vertex indices, three a triangle, counter-clockwise seen from the front.
     pub indices: Vec<[u32; 3]>,
-    /// Joint influences of each vertex, flattened: `influences_per_vertex` entries a vertex. Weights sum to one.
+    /// Joint influences of each vertex, flattened: `influences_per_vertex` entries a vertex. Weights sum to
+    /// one.
     pub influences: Vec<Influence>,
     /// 0 (not skinned), 4, 8, …
     pub influences_per_vertex: usize,
@@ -125,7 +127,7 @@ pub struct Mesh {
 pub struct Influence {
     /// Index into [`Skin::joints`].
     pub joint: u16,
-    /// 0 to 1.
+    /// Share of the joint in the motion of the vertex, 0 to 1.
     pub weight: f32,
 }
 
@@ -151,7 +153,8 @@ pub struct Instance {
     pub id: u32,
     /// Which primitive of the glTF mesh, as `GeometryIndex()` of STD Listing 4.
     pub geometry: u32,
-    /// Index into [`SceneParts::skins`]; a skinned instance ignores its own node's transform (glTF 2.0, 3.7.3.3).
+    /// Index into [`SceneParts::skins`]; a skinned instance ignores its own node's transform (glTF 2.0,
+    /// 3.7.3.3).
     pub skin: Option<u32>,
     /// Morph weights at rest, one a morph target of the mesh (animation channels of `node` override them).
     pub morph_weights: Vec<f32>,
@@ -162,7 +165,7 @@ pub struct Instance {
 pub struct Skin {
     /// Name for messages.
     pub name: String,
-    /// Node indices.
+    /// Indices of the nodes that are the joints.
     pub joints: Vec<u32>,
     /// `joint_from_object` in the bind pose, one a joint.
     pub inverse_bind: Vec<Affine3A>,
@@ -178,43 +181,44 @@ pub enum ShadingModel {
     Unlit,
     /// A puff of smoke: light wraps around a sphere inscribed in the quad and shines through it.
     Smoke,
-    /// A thin fibre, of hair or grass: what stands in the place of vertex normals is the direction it runs in, and light meets it from all
-    /// around.
+    /// A thin fibre, of hair or grass: what stands in the place of vertex normals is the direction it runs
+    /// in, and light meets it from all around.
     Fibre,
 }
 
 /// What the alpha of a surface means (glTF 2.0, 3.9.4).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum AlphaMode {
-    /// Alpha is ignored.
+    /// Alpha is ignored: the surface is opaque.
     #[default]
     Opaque,
     /// Opaque where alpha is at least the cutoff, else not there: an alpha test, never blended.
     Mask {
-        /// 0 to 1.
+        /// The least alpha that counts as opaque, 0 to 1.
         cutoff: f32,
     },
-    /// Alpha is opacity.
+    /// Alpha is the opacity of the surface.
     Blend,
 }
 
-/// A surface.
+/// What a surface looks like.
 #[derive(Clone, Debug)]
 pub struct Material {
     /// Name for messages.
     pub name: String,
     /// How light meets it.
     pub model: ShadingModel,
-    /// Linear straight factor.
+    /// Linear factor on colour and alpha, not multiplied.
     pub base_colour: Vec4,
     /// sRGB colour texture with straight alpha.
     pub base_colour_texture: Option<TextureRef>,
-    /// What alpha means.
+    /// What is made of alpha.
     pub alpha_mode: AlphaMode,
     /// Multiplies the opacity after the alpha mode has had its say; 1 unless overridden for the whole scene.
     pub opacity: f32,
-    /// Share of the light that meets the surface and shines through it in its base colour, below 1; the opacity is what is left when that
-    /// share is taken out. It colours shadows ([`crate::Frame::light_through`]); 0 casts a grey shadow of what the opacity leaves.
+    /// Share of the light that meets the surface and shines through it in its base colour, below 1; the
+    /// opacity is what is left when that share is taken out. It colours shadows
+    /// ([`crate::Frame::light_through`]); 0 casts a grey shadow of what the opacity leaves.
     pub transmission: f32,
     /// 0 dielectric, 1 metal.
     pub metallic: f32,
@@ -222,7 +226,7 @@ pub struct Material {
     pub roughness: f32,
     /// Linear texture: roughness in green, metallic in blue.
     pub metallic_roughness_texture: Option<TextureRef>,
-    /// Linear tangent-space normals.
+    /// Linear texture of normals in tangent space, +Y up in the image.
     pub normal_texture: Option<TextureRef>,
     /// Scales the x and y of the normal texture.
     pub normal_scale: f32,
@@ -292,33 +296,33 @@ pub struct Texture {
     pub srgb: bool,
     /// Behaviour outside [0, 1] in u and v.
     pub wrap: [Wrap; 2],
-    /// Interpolation.
+    /// How texels are interpolated.
     pub filter: Filter,
 }
 
 /// Texture behaviour outside [0, 1].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Wrap {
-    /// Tile.
+    /// The texture is tiled.
     #[default]
     Repeat,
-    /// Tile, every second one mirrored.
+    /// The texture is tiled, every second tile mirrored.
     MirroredRepeat,
-    /// Hold the edge texel.
+    /// The texels at the edge go on for ever.
     ClampToEdge,
 }
 
-/// Texture interpolation.
+/// How a texture is interpolated between texels.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Filter {
-    /// Four texels weighted.
+    /// The mean of the four texels around a point, weighted by nearness.
     #[default]
     Linear,
-    /// The nearest texel.
+    /// The texel in which the point lies.
     Nearest,
 }
 
-/// A keyframe clip.
+/// A clip of keyframes, which loops.
 #[derive(Clone, Debug, Default)]
 pub struct Animation {
     /// Name for messages.
@@ -339,11 +343,11 @@ pub struct Channel {
 /// Keys of an animated property.
 #[derive(Clone, Debug)]
 pub enum Track {
-    /// Replaces the translation.
+    /// Replaces the translation of the node.
     Translation(Keys<Vec3>),
-    /// Replaces the rotation.
+    /// Replaces the rotation of the node.
     Rotation(Keys<Quat>),
-    /// Replaces the scale.
+    /// Replaces the scale of the node.
     Scale(Keys<Vec3>),
     /// Replaces the morph weights of the instances at the node.
     MorphWeights(Keys<Vec<f32>>),
@@ -363,12 +367,12 @@ pub struct Keys<T> {
 /// Interpolation between keys (glTF 2.0, appendix C).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Interpolation {
-    /// Straight; rotations along the great arc.
+    /// The value goes straight from key to key; rotations take the great arc.
     #[default]
     Linear,
-    /// Hold the last key.
+    /// The value of the last key is held until the next.
     Step,
-    /// Cubic Hermite spline.
+    /// The value follows a cubic Hermite spline with given tangents.
     CubicSpline,
 }
 
@@ -377,25 +381,26 @@ pub enum Interpolation {
 pub struct Light {
     /// Name for messages.
     pub name: String,
-    /// Where it is and which way it looks (along -Z).
+    /// Node that says where the light is, and which way it looks: along -Z.
     pub node: u32,
-    /// Linear RGB times intensity: illuminance (lux) for directional lights, luminous intensity (candela) for the others.
+    /// Linear RGB times intensity: illuminance (lux) for directional lights, luminous intensity (candela) for
+    /// the others.
     pub intensity: Vec3,
-    /// Its shape.
+    /// The shape of its light.
     pub kind: LightKind,
 }
 
 /// Shapes of punctual lights.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LightKind {
-    /// Parallel light: the sun.
+    /// Parallel light from infinitely far away, such as the sun.
     Directional,
-    /// The same in all directions.
+    /// A point that shines alike in all directions.
     Point {
         /// Beyond this distance there is no light; infinite if the file does not say.
         range: f32,
     },
-    /// A cone around -Z.
+    /// A point that shines into a cone around -Z.
     Spot {
         /// Beyond this distance there is no light.
         range: f32,

@@ -19,18 +19,19 @@ pub struct ParticleSystem {
     pub turbulence: Turbulence,
     /// Share of the lifetime spent fading in, and out.
     pub fade: [f32; 2],
-    /// Quads fade out between these two distances from the camera (far, near), so that passing through one does not pop.
+    /// Quads fade out between these two distances from the camera (far, near), so that passing through one
+    /// does not pop.
     pub near_fade: [f32; 2],
 }
 
 /// One particle. Its centre is `origin + velocity·age + acceleration·age²/2`, stirred.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Particle {
-    /// When it appears.
+    /// Time at which it appears, seconds.
     pub birth_secs: f32,
     /// How long it lives; infinite is allowed without a loop.
     pub lifetime_secs: f32,
-    /// Where it appears, world.
+    /// Point at which it appears, world.
     pub origin: Vec3,
     /// World units a second at birth.
     pub velocity: Vec3,
@@ -40,7 +41,7 @@ pub struct Particle {
     pub half_size: [f32; 2],
     /// Turn of the quad in its plane at birth.
     pub rotation_rad: f32,
-    /// Turn a second.
+    /// Turn of the quad in its plane, radians a second.
     pub spin_rad_per_sec: f32,
     /// Opacity factor at its peak, 0 to 1.
     pub alpha: f32,
@@ -53,7 +54,7 @@ pub struct Particle {
 /// A slow field of curls made of sines.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Turbulence {
-    /// Displacement, world units.
+    /// How far particles are displaced, world units.
     pub amplitude: f32,
     /// Size of the largest curls, world units; must be positive if the amplitude is.
     pub scale: f32,
@@ -125,7 +126,8 @@ impl Turbulence {
         for octave in 0..3 {
             let p = at * frequency;
             let phase = std::f32::consts::TAU * self.speed * time_secs + octave as f32 * 1.7;
-            // Each component depends on the other two coordinates alone, which makes the field free of divergence.
+            // Each component depends on the other two coordinates alone, which makes the field free of
+            // divergence.
             sum += weight
                 * Vec3::new(
                     (p.y + phase).sin() + (p.z * 0.8 - phase).cos(),

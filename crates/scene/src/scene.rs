@@ -1,4 +1,4 @@
-//! The validated scene.
+//! The scene: validation of its parts, its bounds and its default view.
 
 use glam::{Affine3A, Vec3};
 
@@ -10,13 +10,14 @@ use crate::{
     texture::Sampler,
 };
 
-/// A scene that has been validated once: every index is in range, every number finite, every parent before its children. Immutable.
+/// A scene that has been validated once: every index is in range, every number finite, every parent before
+/// its children. Immutable.
 #[derive(Clone, Debug)]
 pub struct Scene {
     parts: SceneParts,
     /// Lowest and highest corner of everything at time zero.
     bounds: [Vec3; 2],
-    /// One a texture.
+    /// Samplers, one for each texture of the parts.
     samplers: Vec<Sampler>,
 }
 
@@ -26,14 +27,16 @@ pub enum CameraChoice {
     /// The scene's first, or a three-quarter view where it has none.
     #[default]
     Default,
-    /// The scene's camera of that name, or a circle around the middle of the scene that starts from the default view.
+    /// The scene's camera of that name, or a circle around the middle of the scene that starts from the
+    /// default view.
     Orbit,
-    /// By name; built-in scenes have `static` and `path`, and every scene has a `static` one: its default camera at time zero.
+    /// By name; built-in scenes have `static` and `path`, and every scene has a `static` one: its default
+    /// camera at time zero.
     Named(String),
 }
 
-/// Vertical field of view of the view that is made up where a scene has no camera: that of a 50 mm lens would be 27°; a little wider
-/// shows more of the form.
+/// Vertical field of view of the view that is made up where a scene has no camera: that of a 50 mm lens would
+/// be 27°; a little wider shows more of the form.
 const FALLBACK_YFOV_RAD: f32 = 0.6;
 /// Share of the picture's height and width that is filled, and the picture's shape: that of the default size.
 const FRAME_FILL: f32 = 0.88;
@@ -42,7 +45,7 @@ const FRAME_ASPECT: f32 = 16.0 / 9.0;
 const FLAT: f32 = 0.25;
 
 impl Scene {
-    /// Validates the parts.
+    /// Validates the parts and prepares lookups into their textures.
     ///
     /// # Errors
     /// [`SceneError::Invalid`] names the first part that is wrong.
@@ -61,13 +64,13 @@ impl Scene {
         &self.samplers
     }
 
-    /// The parts, to read.
+    /// The parts that the scene was made of.
     #[must_use]
     pub fn parts(&self) -> &SceneParts {
         &self.parts
     }
 
-    /// Name for reports.
+    /// The name by which reports call the scene.
     #[must_use]
     pub fn name(&self) -> &str {
         &self.parts.name
@@ -87,8 +90,9 @@ impl Scene {
         (0.5 * (low + high), (0.5 * (high - low).length()).max(1e-6))
     }
 
-    /// The same scene with every material's opacity set to `alpha`, 0 to 1: opaque surfaces become that transparent, blended ones take it
-    /// in place of their own factor (texture alpha stays), alpha-tested ones keep their cut-outs.
+    /// The same scene with every material's opacity set to `alpha`, 0 to 1: opaque surfaces become that
+    /// transparent, blended ones take it in place of their own factor (texture alpha stays), alpha-tested
+    /// ones keep their cut-outs.
     #[must_use]
     pub fn with_alpha(mut self, alpha: f32) -> Self {
         for material in &mut self.parts.materials {
@@ -112,9 +116,10 @@ impl Scene {
                     return Ok(camera.clone());
                 }
                 let start = self.default_camera();
-                let pose = crate::frame::camera_pose(self, &start, 0.0);
+                let pose = crate::frame::camera_pose(&self.parts, &start, 0.0);
                 let (centre, radius) = self.bounding_sphere();
-                // Orbit what the default view looks at: the point on its axis nearest to the middle of the scene.
+                // Orbit what the default view looks at: the point on its axis nearest to the middle of the
+                // scene.
                 let along = (centre - pose.eye()).dot(pose.forward()).max(0.1 * radius);
                 let target = pose.eye() + pose.forward() * along;
                 Ok(Camera::orbit(pose.lens, target, pose.eye()))
@@ -125,7 +130,7 @@ impl Scene {
                 }
                 if name == "static" {
                     let mut camera = self.default_camera();
-                    let pose = crate::frame::camera_pose(self, &camera, 0.0);
+                    let pose = crate::frame::camera_pose(&self.parts, &camera, 0.0);
                     let (eye, target) = (pose.eye(), pose.eye() + pose.forward());
                     camera.motion =
                         CameraMotion::Path { keys: vec![CameraKey { time_secs: 0.0, eye, target }] };
@@ -148,8 +153,8 @@ impl Scene {
         self.parts.cameras.first().cloned().unwrap_or_else(|| self.framing_camera())
     }
 
-    /// A view of the whole scene at rest: three-quarter, from further in front of what is flat like a board, from further above what is
-    /// flat like a floor.
+    /// A view of the whole scene at rest: three-quarter, from further in front of what is flat like a board,
+    /// from further above what is flat like a floor.
     fn framing_camera(&self) -> Camera {
         let [low, high] = self.bounds;
         let centre = 0.5 * (low + high);

@@ -87,7 +87,7 @@ impl Sampler {
         }
     }
 
-    /// Linear straight RGBA.
+    /// Colour and alpha at a point: linear, not multiplied.
     pub(crate) fn sample(&self, uv: Vec2) -> Vec4 {
         let texels = self.image.as_slice();
         let ([a, b, c, d], [fx, fy]) = self.footprint(uv);

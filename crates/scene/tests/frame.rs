@@ -278,11 +278,13 @@ fn light_takes_the_colour_of_what_it_shines_through() {
         let found = frame.light_through(0, 0.3, 0.3, frame.opacity(0, 0.3, 0.3));
         found.to_array().map(|channel| (channel * 1e4).round() / 1e4)
     };
-    // No transmission: grey. Glass all over the surface: its transmission times its colour. Glass over half of it: the other half is white.
+    // No transmission: grey. Glass all over the surface: its transmission times its colour. Glass over half
+    // of it: the other half is white.
     assert_eq!(through(0.3, 0.0, None), [0.7, 0.7, 0.7]);
     assert_eq!(through(0.2, 0.8, None), [0.8, 0.4, 0.0]);
     assert_eq!(through(0.1, 0.8, None), [0.9, 0.7, 0.5]);
-    // A texel that transmits less than the material: what passes has the colour. The ends are clear and black.
+    // A texel that transmits less than the material: what passes has the colour. The ends are clear and
+    // black.
     assert_eq!(through(0.6, 0.8, None), [0.4, 0.2, 0.0]);
     assert_eq!(through(0.0, 0.8, None), [1.0, 1.0, 1.0]);
     assert_eq!(through(1.0, 0.8, None), [0.0, 0.0, 0.0]);

@@ -6,11 +6,11 @@ use glam::{Mat3, Vec3};
 use rayon::prelude::*;
 
 use super::{
-    Frame, FrameLight, Look, MIRRORED, OPAQUE, Object, QUAD_UVS, SINGLE_SIDED, StaticCounts, TINTED,
-    TriangleOpacity, camera_pose, corner_uvs,
+    Frame, FrameLight, Object,
+    attribute::{QUAD_UVS, corner_uvs, gather},
     deform::{deform, normal_matrix},
-    gather,
-    pose::{NodePose, instance_moves, moving_nodes},
+    pose::{NodePose, camera_pose, instance_moves, moving_nodes},
+    storage::{Look, MIRRORED, OPAQUE, SINGLE_SIDED, StaticCounts, TINTED, TriangleOpacity},
 };
 use crate::{
     camera::{Camera, CameraPose},
@@ -35,7 +35,7 @@ impl Animator {
     pub fn new(scene: Arc<Scene>, camera: Camera) -> Self {
         let parts = scene.parts();
         let node_moves = moving_nodes(parts);
-        let pose = camera_pose(&scene, &camera, 0.0);
+        let pose = camera_pose(scene.parts(), &camera, 0.0);
         let (moving, still): (Vec<u32>, Vec<u32>) =
             (0..parts.instances.len() as u32).partition(|&index| instance_moves(parts, &node_moves, index));
         let first_particle_id = parts.instances.iter().map(|instance| instance.id + 1).max().unwrap_or(0);
@@ -79,8 +79,8 @@ impl Animator {
     pub fn advance(&mut self, time_secs: f32, previous_secs: f32) -> &Frame {
         let scene = Arc::clone(&self.frame.scene);
         self.frame.time_secs = time_secs;
-        self.frame.camera = camera_pose(&scene, &self.camera, time_secs);
-        self.frame.previous_camera = camera_pose(&scene, &self.camera, previous_secs);
+        self.frame.camera = camera_pose(scene.parts(), &self.camera, time_secs);
+        self.frame.previous_camera = camera_pose(scene.parts(), &self.camera, previous_secs);
 
         // Meshes: first where they were, then where they are.
         self.truncate_to_static();
@@ -144,6 +144,7 @@ impl Animator {
         let world_from_object = pose.world_from_node[instance.node as usize] * instance.node_from_object;
         let frame = &mut self.frame;
 
+        // Triangles in world, and where their other attributes come from.
         let deforms = instance.skin.is_some() || !mesh.morph_targets.is_empty();
         let look = if deforms {
             let first_normal = (!mesh.normals.is_empty()).then_some(frame.deformed_normals.len() as u32);
@@ -162,6 +163,7 @@ impl Animator {
         // A skinned mesh does not follow its own node (glTF 2.0, 3.7.3.3).
         let mirrored = instance.skin.is_none() && world_from_object.matrix3.determinant() < 0.0;
 
+        // The object, and what the triangles share: flags, and that they are its triangles.
         let object = Object {
             id: instance.id,
             geometry: instance.geometry,
@@ -175,6 +177,7 @@ impl Animator {
         let count = mesh.indices.len();
         frame.triangle_object.extend(std::iter::repeat_n(frame.objects.len() as u32, count));
         frame.objects.push(object);
+        // What is opaque all over needs no table; of all else the any-hit test reads an entry a triangle.
         if material.alpha_mode == AlphaMode::Opaque && material.opacity >= 1.0 {
             frame.opacity_slot.extend(std::iter::repeat_n(flags | OPAQUE, count));
             return;

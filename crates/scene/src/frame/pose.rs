@@ -5,7 +5,6 @@ use glam::{Affine3A, Quat};
 use crate::{
     camera::{Camera, CameraMotion, CameraPose},
     model::{SceneParts, Track, Transform},
-    scene::Scene,
 };
 
 /// All nodes at one moment.
@@ -75,15 +74,15 @@ pub(super) fn instance_moves(parts: &SceneParts, node_moves: &[bool], index: u32
     instance.skin.is_some() || !mesh.morph_targets.is_empty() || node_moves[instance.node as usize]
 }
 
-/// Where a camera is at a time.
-pub(crate) fn camera_pose(scene: &Scene, camera: &Camera, time_secs: f32) -> CameraPose {
+/// The pose of a camera at a time, on whatever it moves.
+pub(crate) fn camera_pose(parts: &SceneParts, camera: &Camera, time_secs: f32) -> CameraPose {
     if let Some(pose) = camera.pose_on_rails(time_secs) {
         return pose;
     }
     let CameraMotion::Node(node) = camera.motion else {
         unreachable!("only a camera on a node has no rails");
     };
-    let world_from_node = NodePose::at(scene.parts(), time_secs).world_from_node[node as usize];
+    let world_from_node = NodePose::at(parts, time_secs).world_from_node[node as usize];
     let (_, rotation, translation) = world_from_node.to_scale_rotation_translation();
     CameraPose {
         world_from_camera: Affine3A::from_rotation_translation(unit(rotation), translation),

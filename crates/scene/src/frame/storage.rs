@@ -1,20 +1,21 @@
-//! A frame's lists as they are stored, for whoever copies them elsewhere: to a GPU, say. What never moves stands first in each.
+//! A frame's lists as they are stored, for whoever copies them elsewhere: to a GPU, say. What never moves
+//! stands first in each.
 
 use glam::{Mat3, Vec2, Vec3};
 
-use super::{Frame, Object};
+use crate::model::{AlphaMode, Material, TextureRef};
 
 /// The triangle is opaque all over and has no [`TriangleOpacity`].
 pub const OPAQUE: u32 = 1 << 31;
-/// Its back is not there for camera rays.
+/// The back of the triangle is not there for camera rays.
 pub const SINGLE_SIDED: u32 = 1 << 30;
-/// Its object is mirrored: its front is the side that sees its vertices clockwise.
+/// The triangle belongs to a mirrored object: its front is the side that sees its vertices clockwise.
 pub const MIRRORED: u32 = 1 << 29;
-/// Its material transmits light in its colour.
+/// The material transmits light in its colour.
 pub const TINTED: u32 = 1 << 28;
-/// The bits of a triangle's word that are an index into [`Frame::opacities`].
+/// The bits of a triangle's word that are an index into [`Frame::opacities`](super::Frame::opacities).
 pub const SLOT: u32 = TINTED - 1;
-/// In place of a texture's index: none.
+/// Stands for the index of a texture where there is none.
 pub const NO_TEXTURE: u32 = u32::MAX;
 
 /// Where an object's vertex attributes come from.
@@ -33,10 +34,11 @@ pub enum Look {
     Deformed {
         /// Index into the scene's meshes.
         mesh: u32,
-        /// Its vertices' normals lie in [`Frame::deformed_normals`] from here on; none if `None`.
+        /// Its vertices' normals lie in [`Frame::deformed_normals`](super::Frame::deformed_normals) from here
+        /// on; none if `None`.
         first_normal: Option<u32>,
     },
-    /// A particle quad.
+    /// A particle quad, which carries its attributes itself.
     Quad {
         /// Unit axis in world in which the tile's u grows.
         right: Vec3,
@@ -51,7 +53,8 @@ pub enum Look {
     },
 }
 
-/// What the any-hit test reads, gathered a triangle: 48 bytes instead of a walk through object, mesh and material.
+/// What the any-hit test reads, gathered a triangle: 48 bytes instead of a walk through object, mesh and
+/// material.
 #[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub struct TriangleOpacity {
@@ -70,63 +73,33 @@ pub struct TriangleOpacity {
 /// How many entries of a frame's lists never change.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct StaticCounts {
-    /// Of [`Frame::triangles`], [`Frame::triangle_objects`] and [`Frame::opacity_slots`].
+    /// Length of what never changes in [`Frame::triangles`](super::Frame::triangles),
+    /// [`Frame::triangle_objects`](super::Frame::triangle_objects) and
+    /// [`Frame::opacity_slots`](super::Frame::opacity_slots).
     pub triangles: usize,
-    /// Of [`Frame::objects`].
+    /// Length of what never changes in [`Frame::objects`](super::Frame::objects).
     pub objects: usize,
-    /// Of [`Frame::opacities`].
+    /// Length of what never changes in [`Frame::opacities`](super::Frame::opacities).
     pub opacities: usize,
 }
 
-impl Object {
-    /// Where its vertex attributes come from.
-    #[must_use]
-    pub fn look(&self) -> &Look {
-        &self.look
-    }
-}
-
-impl Frame {
-    /// How much of each list never changes.
-    #[must_use]
-    pub fn static_counts(&self) -> StaticCounts {
-        self.static_counts
-    }
-
-    /// Where the triangles from [`Self::static_count`] on were in the previous frame, world.
-    #[must_use]
-    pub fn previous_moving(&self) -> &[[Vec3; 3]] {
-        &self.previous_moving
-    }
-
-    /// Each triangle's index into [`Self::objects`].
-    #[must_use]
-    pub fn triangle_objects(&self) -> &[u32] {
-        &self.triangle_object
-    }
-
-    /// All objects.
-    #[must_use]
-    pub fn objects(&self) -> &[Object] {
-        &self.objects
-    }
-
-    /// Each triangle's flags ([`OPAQUE`], [`SINGLE_SIDED`], [`MIRRORED`], [`TINTED`]), and in the bits of [`SLOT`] its index into
-    /// [`Self::opacities`] unless it is opaque.
-    #[must_use]
-    pub fn opacity_slots(&self) -> &[u32] {
-        &self.opacity_slot
-    }
-
-    /// The opacities of all triangles that are not opaque.
-    #[must_use]
-    pub fn opacities(&self) -> &[TriangleOpacity] {
-        &self.opacities
-    }
-
-    /// World normals of the vertices of skinned and morphed meshes; see [`Look::Deformed`].
-    #[must_use]
-    pub fn deformed_normals(&self) -> &[Vec3] {
-        &self.deformed_normals
+impl TriangleOpacity {
+    /// Gathers what a material and its corners say: alpha at each vertex, and `uvs` for the texture it uses.
+    pub(super) fn new(
+        material: &Material,
+        vertex_alpha: [f32; 3],
+        uvs: impl Fn(&TextureRef) -> [Vec2; 3],
+    ) -> Self {
+        let opaque = material.alpha_mode == AlphaMode::Opaque;
+        let texture = material.base_colour_texture.filter(|_| !opaque);
+        let uv =
+            texture.map_or([Vec2::ZERO; 3], |used| uvs(&used).map(|uv| used.transform.transform_point2(uv)));
+        Self {
+            uv,
+            alpha: if opaque { [1.0; 3] } else { vertex_alpha.map(|alpha| alpha * material.base_colour.w) },
+            texture: texture.map_or(NO_TEXTURE, |used| used.texture),
+            cutoff: if let AlphaMode::Mask { cutoff } = material.alpha_mode { cutoff.max(0.0) } else { -1.0 },
+            opacity: material.opacity,
+        }
     }
 }

@@ -5,10 +5,10 @@ use std::f32::consts::{PI, TAU};
 use glam::{Vec2, Vec3};
 
 use super::{
-    Assembly,
+    assembly::Assembly,
     block::GAP,
-    clockwise,
     crank::{SNOUT_END, SNOUT_RADIUS},
+    kinematics::clockwise,
     timing::COVER_FACE,
 };
 use crate::{
@@ -242,7 +242,7 @@ fn put_compressor(assembly: &mut Assembly, plane: f32) {
     assembly.put("compressor", finish.blue, |shape| {
         let mut profile = vec![(0.0, 0.0), (0.34, 0.0), (0.38, 0.04)];
         for i in 0..6 {
-            // Cooling ribs.
+            // Ribs that cool the housing.
             let low = 0.1 + 0.13 * i as f32;
             profile.extend([(0.38, low), (0.42, low + 0.01), (0.42, low + 0.05), (0.38, low + 0.06)]);
         }

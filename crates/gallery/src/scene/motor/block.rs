@@ -2,7 +2,7 @@
 
 use glam::{Affine3A, Vec2, Vec3};
 
-use super::{Assembly, BANK_OFFSET, BANKS, BORE_RADIUS, DECK};
+use super::assembly::{Assembly, BANK_OFFSET, BANKS, BORE_RADIUS, DECK};
 use crate::kit::mechanical::{Outline, circle, drum, inset, ring, rounded, rounded_rectangle, wall};
 
 /// Height of the joint between crankcase and pan.
@@ -18,7 +18,8 @@ pub(super) fn put(assembly: &mut Assembly) {
     put_stand(assembly);
 }
 
-/// A plate of a bank with a hole for each bore; holes are offset with their bank, so that the two banks' plates differ.
+/// A plate of a bank with a hole for each bore; holes are offset with their bank, so that the two banks'
+/// plates differ.
 pub(super) fn bored(assembly: &Assembly, side: f32, half_width: f32, bore: f32) -> Vec<Outline> {
     let layout = assembly.layout;
     let mut outlines = vec![rounded_rectangle(Vec2::new(half_width, layout.half()), 0.12)];

@@ -4,7 +4,10 @@ use std::f32::consts::{PI, TAU};
 
 use glam::{Affine3A, Quat, Vec2, Vec3};
 
-use super::{Assembly, BANK_OFFSET, BORE_RADIUS, CRANK, SPACING, clockwise, throws};
+use super::{
+    assembly::{Assembly, BANK_OFFSET, BORE_RADIUS, CRANK, SPACING},
+    kinematics::{clockwise, throws},
+};
 use crate::{
     builder::Prop,
     kit::mechanical::{Outline, ball, circle, drum, gear, hull, inset, pitch_radius, ring, stand},

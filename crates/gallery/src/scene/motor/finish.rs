@@ -6,26 +6,26 @@ use sheer_scene::model::{AlphaMode, Material};
 
 use crate::{builder::SceneBuilder, rng::Rng};
 
-/// Indices of the materials.
+/// Indices of the materials that parts are made of.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Finish {
-    /// Cast aluminium.
+    /// Cast aluminium of block and heads.
     pub(super) cast: u32,
-    /// Bright steel.
+    /// Bright steel of what is ground or polished.
     pub(super) steel: u32,
-    /// Forged steel.
+    /// Forged steel of crankshaft, rods and brackets.
     pub(super) dark: u32,
     pub(super) brass: u32,
     pub(super) copper: u32,
-    /// Anodised.
+    /// Aluminium anodised in blue.
     pub(super) blue: u32,
-    /// Hot.
+    /// Manifolds that glow with heat.
     pub(super) orange: u32,
     /// The colour of the maker: belt and covers.
     pub(super) accent: u32,
     pub(super) rubber: u32,
     pub(super) ceramic: u32,
-    /// Clear covers.
+    /// Clear covers that show what turns behind them.
     pub(super) glass: u32,
     /// The plate it stands on.
     pub(super) slate: u32,

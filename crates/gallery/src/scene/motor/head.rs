@@ -5,8 +5,9 @@ use std::f32::consts::PI;
 use glam::{Affine3A, Vec2, Vec3};
 
 use super::{
-    Assembly, BANK_OFFSET, BANKS, CAMSHAFT, DECK,
+    assembly::{Assembly, BANK_OFFSET, BANKS, CAMSHAFT, DECK, SPACING},
     block::{GAP, bored},
+    kinematics::clockwise,
     valves::{EXHAUST, INTAKE, VALVE_Z, Valve},
 };
 use crate::{
@@ -79,7 +80,7 @@ fn put_casting(assembly: &mut Assembly) {
     for bank in BANKS {
         let world = bank.to_world();
         for i in 0..count {
-            let z = (0.5 * (count - 1) as f32 - i as f32) * super::SPACING * 0.96;
+            let z = (0.5 * (count - 1) as f32 - i as f32) * SPACING * 0.96;
             for x in [-0.6, 0.6] {
                 let seat = world.transform_point3(Vec3::new(x, FIRE_DECK + 0.005, z));
                 assembly.bolt(seat, world.transform_vector3(Vec3::Y), 0.04);
@@ -198,7 +199,7 @@ fn cover_path() -> Vec<Vec2> {
     let hump = |side: f32| {
         (0..=10).map(move |i| {
             let turn = side * (0.5 * PI - 0.68 * PI * i as f32 / 10.0);
-            Vec2::new(side * CAMSHAFT.x, CAMSHAFT.y) + 0.37 * super::clockwise(turn)
+            Vec2::new(side * CAMSHAFT.x, CAMSHAFT.y) + 0.37 * clockwise(turn)
         })
     };
     let right = [Vec2::new(1.03, CARRIER + 0.03)].into_iter().chain(hump(1.0));

@@ -1,5 +1,6 @@
-//! How the parts of the motor move: slider-crank, cams with flat followers, meshing gears. Angles are clockwise seen from the front
-//! (from +z), from straight up, as engines are described; gears alone count counter-clockwise from +x.
+//! How the parts of the motor move: slider-crank, cams with flat followers, meshing gears. Angles are
+//! clockwise seen from the front (from +z), from straight up, as engines are described; gears alone count
+//! counter-clockwise from +x.
 
 use std::f32::consts::{PI, TAU};
 
@@ -10,14 +11,15 @@ use crate::kit::mechanical::Outline;
 /// A crank, a connecting rod and a piston on a line through the crank's axis.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SliderCrank {
-    /// Half the stroke.
+    /// Radius of the circle of the crank pin: half the stroke.
     pub(super) crank_radius: f32,
-    /// From pin to pin.
+    /// Distance between the two pins of the rod.
     pub(super) rod_length: f32,
 }
 
 impl SliderCrank {
-    /// Height of the piston's pin above the crank's axis, the crank pin being turned by `turn_rad` away from the cylinder.
+    /// Height of the piston's pin above the crank's axis, the crank pin being turned by `turn_rad` away from
+    /// the cylinder.
     pub(super) fn height(self, turn_rad: f32) -> f32 {
         let (sin, cos) = turn_rad.sin_cos();
         let across = self.crank_radius * sin;
@@ -35,8 +37,8 @@ pub(super) fn clockwise(turn_rad: f32) -> Vec2 {
     Vec2::new(turn_rad.sin(), turn_rad.cos())
 }
 
-/// A cam that lifts a flat follower. Its support function is the base circle's radius plus the lift, and a flat follower rises by just
-/// that: the contact is exact at every angle.
+/// A cam that lifts a flat follower. Its support function is the base circle's radius plus the lift, and a
+/// flat follower rises by just that: the contact is exact at every angle.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Cam {
     pub(super) base_radius: f32,
@@ -97,7 +99,8 @@ impl Meshing {
     }
 }
 
-/// Directions of the crank pins, clockwise from straight up, that balance best: the cross plane of a V8, thirds for three and six.
+/// Directions of the crank pins, clockwise from straight up, that balance best: the cross plane of a V8,
+/// thirds for three and six.
 pub(super) fn throws(count: u32) -> Vec<f32> {
     let turns: &[f32] = match count {
         1 => &[0.0],
@@ -110,8 +113,8 @@ pub(super) fn throws(count: u32) -> Vec<f32> {
     turns.iter().map(|turn| turn * TAU).collect()
 }
 
-/// When each cylinder fires, in crank angle from 0 to 4π: at a top dead centre, and of two cylinders that reach theirs together one turn
-/// apart.
+/// When each cylinder fires, in crank angle from 0 to 4π: at a top dead centre, and of two cylinders that
+/// reach theirs together one turn apart.
 pub(super) fn firing_angles(top_dead_centres_rad: &[f32]) -> Vec<f32> {
     let mut taken: Vec<f32> = Vec::new();
     let mut fire = |&top: &f32| {

@@ -5,8 +5,9 @@ use std::f32::consts::{PI, TAU};
 use glam::{Affine3A, Vec2, Vec3};
 
 use super::{
-    Assembly, BANKS, Bank, clockwise,
+    assembly::{Assembly, BANKS, Bank},
     head::flange,
+    kinematics::clockwise,
     valves::{EXHAUST, INTAKE},
 };
 use crate::{
@@ -129,7 +130,7 @@ fn put_runners(assembly: &mut Assembly) {
     }
 }
 
-/// To the other side of the engine.
+/// The map to the side of a bank of what is drawn on the right: the identity, or the mirror image.
 fn mirror(bank: Bank) -> Affine3A {
     Affine3A::from_scale(Vec3::new(bank.side, 1.0, 1.0))
 }
@@ -174,10 +175,11 @@ fn put_exhaust(assembly: &mut Assembly) {
     }
 }
 
-/// A housing that winds around a wheel, in the x-y plane: a pipe that widens as it goes around and ends along the tangent.
+/// A housing that winds around a wheel, in the x-y plane: a pipe that widens as it goes around and ends along
+/// the tangent.
 #[derive(Clone, Copy, Debug)]
 struct Volute {
-    /// Of the wheel's chamber.
+    /// Radius of the chamber of the wheel.
     radius: f32,
     /// Bore of its mouth.
     widest: f32,
@@ -224,7 +226,8 @@ impl Volute {
     }
 }
 
-/// Where the housings of the right turbocharger are: the turbine's mouth looks down to the collector, the compressor's up.
+/// Where the housings of the right turbocharger are: the turbine's mouth looks down to the collector, the
+/// compressor's up.
 fn housings(assembly: &Assembly) -> [Affine3A; 2] {
     let place = TURBO.extend(-assembly.layout.half() - 0.55);
     [
@@ -333,7 +336,8 @@ fn put_turbo_wheels(assembly: &mut Assembly, place: Vec3) {
     }
 }
 
-/// From the compressors along the heads to the throttle would hide the gears: the charge enters the plenum from behind.
+/// Pipes that lead the compressed air into the plenum from behind: a way along the heads to the front would
+/// hide the gears.
 fn put_charge_pipes(assembly: &mut Assembly, compressor: Affine3A) {
     let (half, finish) = (assembly.layout.half(), assembly.finish);
     let part = assembly.part("charge pipe", finish.cast, |shape| {

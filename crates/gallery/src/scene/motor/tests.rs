@@ -1,11 +1,16 @@
 //! The motor's triangles, its kinematics and its loop.
 
-use std::sync::Arc;
+use std::{f32::consts::TAU, sync::Arc};
 
-use sheer_scene::{Animator, model::AlphaMode};
+use glam::Quat;
+use sheer_scene::{
+    Animator,
+    model::{AlphaMode, Keys, Track},
+};
 
 use super::{
-    kinematics::Meshing,
+    assembly::{BANKS, CRANK, CYCLE_SECS},
+    kinematics::{Meshing, clockwise},
     timing::{CAM_TEETH, CRANK_TEETH, MODULE, train},
     *,
 };

@@ -4,7 +4,11 @@ use std::f32::consts::{PI, TAU};
 
 use glam::{Affine3A, Vec2, Vec3};
 
-use super::{Assembly, BANKS, Bank, CAMSHAFT, crank::SNOUT_RADIUS, kinematics::Meshing};
+use super::{
+    assembly::{Assembly, BANKS, Bank, CAMSHAFT},
+    crank::SNOUT_RADIUS,
+    kinematics::Meshing,
+};
 use crate::kit::mechanical::{Outline, ball, circle, drum, gear, hull, inset, pitch_radius, ring};
 
 /// Twice as many teeth on the camshaft as on the crankshaft: half its speed.
@@ -12,10 +16,11 @@ pub(super) const CRANK_TEETH: u32 = 18;
 pub(super) const CAM_TEETH: u32 = 36;
 /// Both camshafts of a bank are reached from one idler between them, and their gears just clear each other.
 pub(super) const MODULE: f32 = 0.035;
-/// How far the first idler stands outwards of its bank's axis, so that the two banks' idlers clear each other.
+/// How far the first idler stands outwards of its bank's axis, so that the two banks' idlers clear each
+/// other.
 const FIRST_IDLER_RAD: f32 = 0.35;
-/// Balls of an idler's bearing. In a full turn of the outer race on a still inner one the cage makes 7/12, if the races are 7 to 5
-/// wide; of twelve balls each has then taken the place of another.
+/// Balls of an idler's bearing. In a full turn of the outer race on a still inner one the cage makes 7/12, if
+/// the races are 7 to 5 wide; of twelve balls each has then taken the place of another.
 const BALLS: u32 = 12;
 const CAGE_TURNS: f32 = 7.0 / 12.0;
 const OUTER_RACE: f32 = 0.252;
@@ -32,7 +37,8 @@ pub(super) struct TrainGear {
     idler: bool,
 }
 
-/// The gears of a bank from the crankshaft's on, each driven by the one before, but both of the camshafts by the last idler.
+/// The gears of a bank from the crankshaft's on, each driven by the one before, but both of the camshafts by
+/// the last idler.
 pub(super) fn train(bank: Bank) -> [TrainGear; 6] {
     let crank = Meshing { centre: Vec2::ZERO, teeth: CRANK_TEETH, turn_rad: 0.5 * PI };
     let step = pitch_radius(2 * CAM_TEETH, MODULE);
@@ -164,7 +170,7 @@ fn cover_outline(margin: f32) -> Outline {
             half.push(a.lerp(b, a.x / (a.x - b.x)));
         }
     }
-    // From the lower cut to the upper one.
+    // The half begins at the lower cut and ends at the upper one.
     let start =
         (0..half.len()).filter(|&i| half[i].x.abs() < 1e-5).min_by(|&i, &j| half[i].y.total_cmp(&half[j].y));
     half.rotate_left(start.expect("the crank gear lies on the middle plane"));

@@ -4,14 +4,17 @@ use std::f32::consts::PI;
 
 use glam::{Affine3A, Quat, Vec2, Vec3};
 
-use super::{Assembly, BANK_OFFSET, BANKS, Bank, CAMSHAFT, Cylinder, kinematics::Cam};
+use super::{
+    assembly::{Assembly, BANK_OFFSET, BANKS, Bank, CAMSHAFT, Cylinder},
+    kinematics::Cam,
+};
 use crate::{
     builder::Prop,
     kit::mechanical::{circle, ring, stand},
     shape::Shape,
 };
 
-/// Of the row of intake or exhaust valves of a bank.
+/// The intake or the exhaust valves of a bank, which are alike.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Valve {
     /// The side of the bank that they are on: -1 in the valley.
@@ -34,8 +37,9 @@ const FACE: Vec2 = Vec2::new(0.2, 2.5);
 /// A lift of 9 mm over 280 degrees of crank angle. Convex while `base > lift (π² / (2 half_duration²) - 1)`.
 pub(super) const CAM: Cam = Cam { base_radius: 0.22, lift: 0.09, half_duration_rad: 1.222 };
 
-/// Along the valve, from its face: seat of the spring, its retainer, the tappet's top.
+/// Distance along the valve from its face to where its spring sits.
 const SPRING_SEAT: f32 = 0.60;
+/// Distance along the valve from its face to what holds the upper end of its spring.
 const RETAINER: f32 = 1.12;
 
 impl Valve {
@@ -50,7 +54,7 @@ impl Valve {
         Vec3::new(self.side * FACE.x, FACE.y, z) + distance * self.axis()
     }
 
-    /// Where the tappet ends while the valve is shut: at the base circle.
+    /// Distance from the face at which the tappet ends while the valve is shut: at the base circle.
     fn tappet() -> f32 {
         (CAMSHAFT - FACE).length() - CAM.base_radius
     }
@@ -171,7 +175,7 @@ fn put_seats(assembly: &mut Assembly, valve: Valve) {
     let seat = assembly.part("valve seat", finish.brass, |shape| {
         let (inner, outer) = (valve.radius - 0.03, valve.radius + 0.02);
         shape.lathe(Vec3::ZERO, &ring(inner, outer, 0.05, 0.1), 16);
-        // The stem's guide.
+        // The guide in which the stem slides.
         shape.lathe(Vec3::ZERO, &ring(0.036, 0.06, 0.34, SPRING_SEAT + 0.06), 12);
         shape.lathe(Vec3::ZERO, &ring(0.062, 0.145, SPRING_SEAT - 0.03, SPRING_SEAT), 18);
     });

@@ -6,7 +6,7 @@ use super::{
 };
 use crate::SceneError;
 
-/// glTF 2.0, 3.6.2.2.
+/// The type of a component (glTF 2.0, 3.6.2.2).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Component {
     I8,
@@ -82,7 +82,8 @@ impl Component {
     }
 }
 
-/// Where in an element its components lie: matrices of small components have columns padded to four bytes (glTF 2.0, 3.6.2.4).
+/// Where in an element its components lie: matrices of small components have columns padded to four bytes
+/// (glTF 2.0, 3.6.2.4).
 struct Shape {
     columns: usize,
     rows: usize,
@@ -114,14 +115,15 @@ struct Source<'d> {
     accessor: &'d Accessor,
     component: Component,
     shape: Shape,
-    /// No bytes: zeros.
+    /// The bytes of all elements; without any, every component is zero.
     bytes: Option<&'d [u8]>,
     stride: usize,
     place: String,
 }
 
 impl Document<'_> {
-    /// Elements of `N` components as numbers, row by column for matrices as stored. `place` says whose they are.
+    /// Elements of `N` components as numbers, row by column for matrices as stored. `place` says whose they
+    /// are.
     pub(super) fn floats<const N: usize>(
         &self,
         index: Index,

@@ -5,8 +5,8 @@ use std::collections::HashSet;
 use glam::{Quat, Vec3};
 
 use super::{
-    document::Document,
-    node::{Hierarchy, named, unit_rotation},
+    document::{Document, named},
+    node::{Hierarchy, unit_rotation},
     schema::{self, Index},
 };
 use crate::{
@@ -113,7 +113,8 @@ fn read_track(
     }))
 }
 
-/// Key times made strictly increasing: two keys at one time, a common way to write a jump, are moved apart by the least bit.
+/// Key times made strictly increasing: two keys at one time, a common way to write a jump, are moved apart by
+/// the least bit.
 fn key_times(document: &Document<'_>, accessor: Index, place: &str) -> Result<Vec<f32>, SceneError> {
     let mut times = document.scalars(accessor, place)?;
     if times.is_empty() {

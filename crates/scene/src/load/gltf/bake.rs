@@ -8,7 +8,7 @@ use sheer_image::Image;
 
 use super::{
     image::Images,
-    material::{Source, Texels},
+    texels::{Source, Texels},
 };
 use crate::model::{AlphaMode, Material, TextureRef};
 
@@ -76,8 +76,9 @@ fn common_place(used: &[Option<TextureRef>]) -> Option<TextureRef> {
     used.iter().flatten().all(same).then_some(place)
 }
 
-/// Lowers the alpha of a material by what it transmits: `alpha · (1 - strength · transmission · (1 - metallic))`, since metals transmit
-/// nothing (`KHR_materials_transmission`). What differs from texel to texel goes into the base colour texture. Shadows take the base colour.
+/// Lowers the alpha of a material by what it transmits: `alpha · (1 - strength · transmission · (1 -
+/// metallic))`, since metals transmit nothing (`KHR_materials_transmission`). What differs from texel to
+/// texel goes into the base colour texture. Shadows take the base colour.
 pub(super) fn transmission(
     material: &mut Material,
     strength: f32,
@@ -129,8 +130,8 @@ pub(super) fn transmission(
     })
 }
 
-/// One factor for the whole material. Where the alpha of the texture is to be ignored or tested, it must stay out of the blending, and
-/// the factor goes to the opacity that is applied after that.
+/// One factor for the whole material. Where the alpha of the texture is to be ignored or tested, it must stay
+/// out of the blending, and the factor goes to the opacity that is applied after that.
 fn lower_evenly(material: &mut Material, kept: f32, base: Option<&Image<[u8; 4]>>) {
     let opaque_texels = base.is_none_or(|image| image.as_slice().iter().all(|texel| texel[3] == 255));
     match material.alpha_mode {
@@ -160,8 +161,9 @@ pub(super) struct Metallic {
 }
 
 impl Glossy {
-    /// The metallic-roughness surface whose diffuse and specular colours are nearest (the inverse of the mapping in the extension's
-    /// appendix: diffuse = base·(1 - 0.04)·(1 - metallic), specular = mix(0.04, base, metallic), solved for brightness).
+    /// The metallic-roughness surface whose diffuse and specular colours are nearest (the inverse of the
+    /// mapping in the extension's appendix: diffuse = base·(1 - 0.04)·(1 - metallic), specular = mix(0.04,
+    /// base, metallic), solved for brightness).
     pub(super) fn to_metallic(self) -> Metallic {
         let brightness = |colour: Vec3| (colour * colour).dot(Vec3::new(0.299, 0.587, 0.114)).sqrt();
         let rest = 1.0 - self.specular.max_element();
@@ -183,7 +185,8 @@ impl Glossy {
     }
 }
 
-/// Converts a textured specular-glossiness material; its base colour slot holds the diffuse texture, which keeps its alpha.
+/// Converts a textured specular-glossiness material; its base colour slot holds the diffuse texture, which
+/// keeps its alpha.
 pub(super) fn glossy(
     material: &Material,
     factors: Glossy,

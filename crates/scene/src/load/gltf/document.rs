@@ -7,7 +7,8 @@ use std::{
 };
 
 use super::{
-    BASE_BYTES, BYTES_PER_INPUT_BYTE, meshopt,
+    limits::{BASE_BYTES, BYTES_PER_INPUT_BYTE},
+    meshopt,
     resource::{self, UriError},
     schema::{Index, Root, VersionOnly},
 };
@@ -19,7 +20,7 @@ pub(super) struct Document<'a> {
     path: &'a Path,
     binary_chunk: Option<&'a [u8]>,
     buffers: Vec<OnceCell<Vec<u8>>>,
-    /// Decompressed buffer views.
+    /// Buffer views that are compressed, each decompressed when it is first asked for.
     views: Vec<OnceCell<Vec<u8>>>,
     bytes_left: Cell<u64>,
     warnings: RefCell<Vec<LoadWarning>>,
@@ -72,14 +73,14 @@ impl<'a> Document<'a> {
         SceneError::File { path: self.path.to_owned(), place: place.into(), problem: problem.into() }
     }
 
-    /// Notes something once.
+    /// Adds a warning unless the same one is there already.
     pub(super) fn warn(&self, warning: LoadWarning) {
         if self.warned.borrow_mut().insert(warning.to_string()) {
             self.warnings.borrow_mut().push(warning);
         }
     }
 
-    /// Notes a repair.
+    /// Warns of something that was wrong in the file and has been put right.
     pub(super) fn repaired(&self, place: &str, what: &str) {
         self.warn(LoadWarning::Repaired { place: place.to_owned(), what: what.to_owned() });
     }
@@ -198,5 +199,13 @@ impl<'a> Document<'a> {
         })?;
         let bytes = self.views[index].get_or_init(|| bytes);
         Ok((bytes, view.byte_stride))
+    }
+}
+
+/// `mesh 3 'Body'`, or `mesh 3` if it has no name.
+pub(super) fn named(what: &str, index: Index, name: Option<&str>) -> String {
+    match name {
+        Some(name) if !name.is_empty() => format!("{what} {index} '{name}'"),
+        _ => format!("{what} {index}"),
     }
 }

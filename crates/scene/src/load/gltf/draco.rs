@@ -1,8 +1,9 @@
 //! `KHR_draco_mesh_compression`, decoded by the `draco-oxide` crates.
 //!
-//! A few bytes of Draco can stand for any number of triangles, and the decoder trusts the counts in the stream. So they are read here
-//! first and held against the accessors, which have to state the same counts (extension, "Conformance") and are paid for; the other
-//! numbers that cost memory are found by [`draco_walk`].
+//! A few bytes of Draco can stand for any number of triangles, and the decoder trusts the counts in the
+//! stream. So they are read here first and held against the accessors, which have to state the same counts
+//! (extension, "Conformance") and are paid for; the other numbers that cost memory are found by
+//! [`draco_walk`].
 
 use std::{collections::BTreeMap, panic};
 
@@ -22,11 +23,11 @@ const METADATA_FLAG: u16 = 0x8000;
 /// What the decoder takes for a triangle while it works on the connectivity: corners, their opposites, seams.
 const BYTES_PER_TRIANGLE: usize = 128;
 
-/// A decoded primitive.
+/// A primitive after decompression.
 pub(super) struct Decoded {
-    /// Three a triangle.
+    /// Vertex indices, three a triangle.
     pub indices: Vec<u32>,
-    /// By glTF attribute name.
+    /// Attributes by the name that glTF gives them.
     pub attributes: BTreeMap<String, Attribute>,
 }
 
@@ -65,7 +66,8 @@ pub(super) fn decode(
     }
     document.charge(counts.triangles, BYTES_PER_TRIANGLE, &place)?;
 
-    // The decoder is young: whatever invariant of its own it finds broken by bad data must not end the program.
+    // The decoder is young: whatever invariant of its own it finds broken by bad data must not end the
+    // program.
     let attempt = panic::catch_unwind(|| decode_stream(&stream, vertex_count));
     let mesh = attempt
         .unwrap_or_else(|_| Err("the Draco data is damaged".to_owned()))
@@ -76,7 +78,7 @@ pub(super) fn decode(
 /// The numbers at the head of the connectivity.
 struct Counts {
     triangles: usize,
-    /// Vertices or points.
+    /// How many vertices or points the stream says it holds.
     vertices: usize,
     /// Edgebreaker symbols and splits; zero for sequential connectivity.
     symbols: usize,
@@ -103,7 +105,8 @@ impl Counts {
         }
     }
 
-    /// Whether a mesh of so many vertices can have these counts. Vertices with seams are counted once in the connectivity.
+    /// Whether a mesh of so many vertices can have these counts. Vertices with seams are counted once in the
+    /// connectivity.
     fn plausible(&self, vertex_count: usize) -> bool {
         self.vertices <= vertex_count && self.symbols <= self.triangles && self.splits <= self.symbols
     }
@@ -202,7 +205,8 @@ impl Attribute {
     }
 }
 
-/// The stream with its metadata, which glTF has no use for, cut out (Draco bitstream specification, section 4.2).
+/// The stream with its metadata, which glTF has no use for, cut out (Draco bitstream specification, section
+/// 4.2).
 fn without_metadata(data: &[u8]) -> Option<Vec<u8>> {
     let (header, rest) = data.split_at_checked(HEADER_BYTES)?;
     let mut walk = Walk(rest);
@@ -221,7 +225,8 @@ fn without_metadata(data: &[u8]) -> Option<Vec<u8>> {
     Some(stream)
 }
 
-/// Skips names, values and subtrees, which follow each other depth first, by counting the subtrees still to come on each level.
+/// Skips names, values and subtrees, which follow each other depth first, by counting the subtrees still to
+/// come on each level.
 fn skip_metadata_tree(walk: &mut Walk<'_>) -> Option<()> {
     let mut open = vec![1_usize];
     let mut is_root = true;

@@ -1,8 +1,8 @@
 //! Walks over a Draco stream without decoding it, to find counts that its decoder would believe.
 //!
-//! The decoder allocates by three numbers before it has seen the data behind them: topology splits, sizes of symbol alphabets, and
-//! orientations of texture coordinates. An allocation that fails ends the program, so the numbers are held against what can be. Section
-//! numbers are those of the Draco bitstream specification.
+//! The decoder allocates by three numbers before it has seen the data behind them: topology splits, sizes of
+//! symbol alphabets, and orientations of texture coordinates. An allocation that fails ends the program, so
+//! the numbers are held against what can be. Section numbers are those of the Draco bitstream specification.
 
 use draco_oxide_core::bit_coder::Reader;
 use draco_oxide_decoder::{
@@ -127,6 +127,7 @@ impl<'a> Walk<'a> {
 
     /// Section 7: the attributes.
     fn attributes(&mut self, connectivity: &Connectivity) -> Option<()> {
+        // The head of each decoder says to which corners or vertices its attributes belong.
         let decoders = usize::from(self.byte()?);
         let heads = match connectivity {
             Connectivity::Edgebreaker(_) => self.take(3 * decoders)?,
@@ -136,6 +137,8 @@ impl<'a> Walk<'a> {
             Connectivity::Edgebreaker(edgebreaker) => edgebreaker.position_faces().1,
             Connectivity::Sequential(sequential) => sequential.num_points,
         };
+        // All descriptions of attributes come before all values: first the types of a decoder's attributes,
+        // then how each is encoded.
         let mut lists = Vec::new();
         let mut attribute_count = 0;
         for decoder in 0..decoders {
@@ -173,6 +176,7 @@ impl<'a> Walk<'a> {
             }
             lists.push(list);
         }
+        // The values of a decoder's attributes, then what takes them back to floats.
         for list in &lists {
             for listed in list {
                 self.values(listed)?;

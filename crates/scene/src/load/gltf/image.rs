@@ -12,7 +12,12 @@ use std::{
 use rayon::prelude::*;
 use sheer_image::{Image, TextureLimits, decode_texture};
 
-use super::{IMAGE_BYTES, document::Document, material::Source, node::named, schema::Index};
+use super::{
+    document::{Document, named},
+    limits::IMAGE_BYTES,
+    schema::Index,
+    texels::Source,
+};
 use crate::SceneError;
 
 /// The decoded images of a file, and what they take.
@@ -39,7 +44,8 @@ impl Images {
         wanted.dedup();
         let tasks = wanted.into_iter().map(|index| find(document, index)).collect::<Result<Vec<_>, _>>()?;
 
-        // Each decoder is bounded; together they are counted, so that many small files cannot add up to a large one.
+        // Each decoder is bounded; together they are counted, so that many small files cannot add up to a
+        // large one.
         let used_bytes = AtomicU64::new(0);
         let decode_one = |task: &Task<'_>| -> Result<Image<[u8; 4]>, String> {
             check_budget(used_bytes.load(Ordering::Relaxed))?;
@@ -60,7 +66,7 @@ impl Images {
     pub(super) fn of<'s>(&'s self, source: &'s Source) -> &'s Arc<Image<[u8; 4]>> {
         match source {
             Source::File(index) => &self.decoded[index],
-            Source::Made(image) => image,
+            Source::Computed(image) => image,
         }
     }
 
@@ -73,7 +79,7 @@ impl Images {
         self.used_bytes += 4 * u64::from(width) * u64::from(height);
         check_budget(self.used_bytes)?;
         let image = Image::par_from_fn(width, height, texel).map_err(|error| error.to_string())?;
-        Ok(Source::Made(Arc::new(image)))
+        Ok(Source::Computed(Arc::new(image)))
     }
 }
 

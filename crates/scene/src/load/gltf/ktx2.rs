@@ -1,15 +1,15 @@
-//! KTX 2.0 images: Basis Universal (UASTC and ETC1S, by the `basisu` crate), ASTC, and plain 8-bit texels, with Zstandard
-//! supercompression or without.
+//! KTX 2.0 images: Basis Universal (UASTC and ETC1S, by the `basisu` crate), ASTC, and plain 8-bit texels,
+//! with Zstandard supercompression or without.
 //!
-//! The header is read here whatever the payload is, so that sizes are known to be sane before anything is allocated. Section numbers are
-//! those of the KTX File Format Specification, version 2.0.
+//! The header is read here whatever the payload is, so that sizes are known to be sane before anything is
+//! allocated. Section numbers are those of the KTX File Format Specification, version 2.0.
 
 use std::{borrow::Cow, io::Read, panic};
 
 use basisu::{DecodeFlags, TargetFormat, Transcoder};
 use sheer_image::{Image, TextureLimits};
 
-/// Section 3.1.
+/// What every file begins with (KTX 2.0, section 3.1).
 const IDENTIFIER: [u8; 12] = *b"\xABKTX 20\xBB\r\n\x1A\n";
 /// Bytes before the level index (section 2).
 const HEADER_BYTES: usize = 80;
@@ -72,7 +72,8 @@ impl Header {
         if levels > MAX_LEVELS {
             return Err(format!("the KTX2 file has {levels} levels; make it again"));
         }
-        // No level of an 8-bit or block format takes more than four bytes a pixel, blocks rounded up to 12 pixels a side.
+        // No level of an 8-bit or block format takes more than four bytes a pixel, blocks rounded up to 12
+        // pixels a side.
         let most = u64::from(width.next_multiple_of(12)) * u64::from(height.next_multiple_of(12)) * 4;
         for level in 0..levels.max(1) as usize {
             let at = HEADER_BYTES + level * LEVEL_BYTES;
@@ -158,7 +159,8 @@ fn inflate(stored: &[u8], wanted: usize) -> Result<Vec<u8>, String> {
 
 /// Basis Universal, and the ASTC formats that it knows.
 fn decode_basis(header: &Header, bytes: &[u8]) -> Result<Vec<[u8; 4]>, String> {
-    // Sizes are checked above; what the decoder trusts beyond them, such as an index into a codebook, must not end the program.
+    // Sizes are checked above; what the decoder trusts beyond them, such as an index into a codebook, must
+    // not end the program.
     let attempt = panic::catch_unwind(|| {
         let transcoder = Transcoder::new(bytes).ok()?;
         (transcoder.base_dimensions() == (header.width, header.height)).then_some(())?;
@@ -208,7 +210,8 @@ mod tests {
 
     #[test]
     fn zstandard_frames_are_unpacked() {
-        // A frame of one raw block (RFC 8878, 3.1.1): magic, descriptor with one byte of content size, size, block header, data.
+        // A frame of one raw block (RFC 8878, 3.1.1): magic, descriptor with one byte of content size, size,
+        // block header, data.
         let frame = [0x28, 0xB5, 0x2F, 0xFD, 0x20, 4, 4 << 3 | 1, 0, 0, 9, 8, 7, 6];
         assert_eq!(texels(&file(37, (1, 1), ZSTANDARD, &frame, 4)), [[9, 8, 7, 6]]);
     }

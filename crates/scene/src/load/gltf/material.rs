@@ -3,14 +3,13 @@
 use std::{collections::BTreeMap, sync::Arc};
 
 use glam::{Affine2, Vec2, Vec3, Vec4};
-use sheer_image::Image;
 
 use super::{
     bake,
-    document::Document,
+    document::{Document, named},
     image,
-    node::named,
     schema::{self, Index, TextureInfo},
+    texels::{Source, Texels},
 };
 use crate::{
     SceneError,
@@ -18,7 +17,8 @@ use crate::{
     model::{AlphaMode, Filter, Material, ShadingModel, Texture, TextureRef, Wrap},
 };
 
-/// How much of what a surface transmits counts as not covered. A little below one, so that clear glass keeps a body to see.
+/// How much of what a surface transmits counts as not covered. A little below one, so that clear glass keeps
+/// a body to see.
 const TRANSMISSION_SHARE: f32 = 0.85;
 
 /// The materials used so far.
@@ -48,41 +48,14 @@ enum BakeKind {
     Glossy { factors: bake::Glossy, texture: Option<TextureRef> },
 }
 
-/// A texture before its image is decoded.
-#[derive(Clone)]
-pub(super) struct Texels {
-    pub name: String,
-    pub source: Source,
-    pub srgb: bool,
-    pub wrap: [Wrap; 2],
-    pub filter: Filter,
-}
-
-/// Where texels come from.
-#[derive(Clone)]
-pub(super) enum Source {
-    /// An image of the file.
-    File(Index),
-    /// Computed.
-    Made(Arc<Image<[u8; 4]>>),
-}
-
-impl Texels {
-    fn file_image(&self) -> Option<Index> {
-        match self.source {
-            Source::File(index) => Some(index),
-            Source::Made(_) => None,
-        }
-    }
-
-    fn with_image(&self, images: &image::Images) -> Texture {
-        Texture {
-            name: self.name.clone(),
-            image: Arc::clone(images.of(&self.source)),
-            srgb: self.srgb,
-            wrap: self.wrap,
-            filter: self.filter,
-        }
+/// A texture with its image decoded.
+fn decoded(texels: &Texels, images: &image::Images) -> Texture {
+    Texture {
+        name: texels.name.clone(),
+        image: Arc::clone(images.of(&texels.source)),
+        srgb: texels.srgb,
+        wrap: texels.wrap,
+        filter: texels.filter,
     }
 }
 
@@ -128,6 +101,7 @@ impl Materials<'_, '_> {
         let fault = |problem: String| {
             self.document.fault(&place, format!("{problem}; correct it and export the file again"))
         };
+        // What both models have in common.
         let alpha_mode = match described.alpha_mode.as_deref() {
             None | Some("OPAQUE") => AlphaMode::Opaque,
             Some("MASK") => AlphaMode::Mask { cutoff: described.alpha_cutoff.unwrap_or(0.5) },
@@ -175,6 +149,7 @@ impl Materials<'_, '_> {
                     self.texture(&given.metallic_roughness_texture, false, &place)?;
             }
         }
+        // Transmission is drawn as coverage, which is worked out when the images are there.
         if let Some(transmission) = &extensions.transmission {
             let texture = self.texture(&transmission.transmission_texture, false, &place)?;
             let factor = unit(transmission.transmission_factor);
@@ -189,7 +164,8 @@ impl Materials<'_, '_> {
         Ok(material)
     }
 
-    /// `KHR_materials_pbrSpecularGlossiness`: without textures converted here, else texel by texel when they are decoded.
+    /// `KHR_materials_pbrSpecularGlossiness`: without textures converted here, else texel by texel when they
+    /// are decoded.
     fn read_specular_glossiness(
         &mut self,
         material: &mut Material,
@@ -237,6 +213,7 @@ impl Materials<'_, '_> {
     ) -> Result<Option<TextureRef>, SceneError> {
         let Some(info) = info else { return Ok(None) };
         let document = self.document;
+        // The image, in the best of the formats that the file offers.
         let described = document.get(&document.root.textures, info.index, "texture", place)?;
         let texture_place = named("texture", info.index, described.name.as_deref());
         let extensions = &described.extensions;
@@ -245,6 +222,7 @@ impl Materials<'_, '_> {
             return Ok(None);
         };
         document.get(&document.root.images, image, "image", &texture_place)?;
+        // A texture that is used as colour and as data is two textures here.
         let texture = match self.texture_of.get(&(info.index, srgb)) {
             Some(&texture) => texture,
             None => {
@@ -264,6 +242,7 @@ impl Materials<'_, '_> {
                 texture
             }
         };
+        // How this material lays it out.
         let mut used = TextureRef { uv_set: info.tex_coord, ..TextureRef::new(texture) };
         if let Some(transform) = &info.extensions.transform {
             // The extension turns counter-clockwise in an image whose v points down.
@@ -320,7 +299,7 @@ impl Materials<'_, '_> {
             for used in slots.into_iter().flatten() {
                 let old = used.texture as usize;
                 used.texture = *new_index[old].get_or_insert_with(|| {
-                    kept.push(self.textures[old].with_image(images));
+                    kept.push(decoded(&self.textures[old], images));
                     kept.len() as u32 - 1
                 });
             }

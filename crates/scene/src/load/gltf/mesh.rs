@@ -5,9 +5,8 @@ use glam::{Vec2, Vec3, Vec4};
 #[cfg(feature = "draco")]
 use super::draco;
 use super::{
-    document::Document,
+    document::{Document, named},
     material::Materials,
-    node::named,
     schema::{Index, Primitive},
     topology::{self, Topology},
 };
@@ -108,7 +107,8 @@ impl<'d, 'a> Reader<'d, 'a> {
                 return Err(document.fault(&self.place, problem));
             }
         };
-        // A primitive may leave its positions to an extension (glTF 2.0, 3.7.2.1); none that is known here does.
+        // A primitive may leave its positions to an extension (glTF 2.0, 3.7.2.1); none that is known here
+        // does.
         let Some(positions) = self.floats::<3>("POSITION")? else {
             document.repaired(&self.place, "it has no positions and is not drawn");
             return Ok(None);
@@ -160,7 +160,7 @@ impl<'d, 'a> Reader<'d, 'a> {
         Ok(Some(indices.into_iter().map(|[index]| index).collect()))
     }
 
-    /// Normals and tangents.
+    /// Reads normals and tangents, and makes them unit vectors.
     fn read_frame(&self, mesh: &mut Mesh) -> Result<(), SceneError> {
         let vertex_count = mesh.positions.len();
         let Some(normals) = self.sized_floats::<3>("NORMAL", vertex_count)? else { return Ok(()) };

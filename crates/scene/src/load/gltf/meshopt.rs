@@ -1,5 +1,5 @@
-//! Decoder for `EXT_meshopt_compression` and `KHR_meshopt_compression`, written from the latter's specification (appendix A: bitstream,
-//! appendix B: filters; the former is its version 0).
+//! Decoder for `EXT_meshopt_compression` and `KHR_meshopt_compression`, written from the latter's
+//! specification (appendix A: bitstream, appendix B: filters; the former is its version 0).
 //!
 //! The caller has bounded `count · stride`, so nothing here allocates more than that.
 
@@ -69,7 +69,7 @@ macro_rules! unzigzag {
     };
 }
 
-/// Mode 0.
+/// Mode 0: attributes of vertices, byte by byte as differences.
 fn decode_attributes(data: &[u8], count: usize, stride: usize) -> Result<Vec<u8>, &'static str> {
     if stride == 0 || stride > BLOCK_ELEMENTS || !stride.is_multiple_of(4) {
         return Err("its stride is not a multiple of 4 from 4 to 256");
@@ -262,7 +262,7 @@ impl Triangles<'_> {
             return Ok([a, b, c]);
         }
 
-        // Three vertices.
+        // None of the edges is known: three vertices are given.
         let (first, codes) = if low < 14 {
             (self.fresh(), table[usize::from(low)])
         } else {
@@ -288,7 +288,7 @@ impl Triangles<'_> {
     }
 }
 
-/// Mode 1.
+/// Mode 1: indices of triangles, which mostly share an edge with one before.
 fn decode_triangles(data: &[u8], count: usize) -> Result<Vec<u32>, &'static str> {
     if data.first() != Some(&0xE1) {
         return Err("its first byte is not that of a triangle stream");
@@ -311,7 +311,7 @@ fn decode_triangles(data: &[u8], count: usize) -> Result<Vec<u32>, &'static str>
     if decoder.data.0.is_empty() { Ok(out) } else { Err("bytes are left over after the last triangle") }
 }
 
-/// Mode 2.
+/// Mode 2: indices of any kind, as differences to the last or the one before.
 fn decode_indices(data: &[u8], count: usize) -> Result<Vec<u32>, &'static str> {
     if data.first() != Some(&0xD1) {
         return Err("its first byte is not that of an index stream");
@@ -462,7 +462,8 @@ mod tests {
 
     #[test]
     fn both_versions_of_the_attribute_codec_decode_bytes_deltas_and_literals() {
-        // Version 0, stride 4, 2 elements: lane 0 as whole bytes, the others zero; the baseline is 10 20 30 40.
+        // Version 0, stride 4, 2 elements: lane 0 as whole bytes, the others zero; the baseline is 10 20 30
+        // 40.
         let mut old = vec![0xA0, 3, 2, 1];
         old.extend([0; 14]);
         old.extend([0, 0, 0]);

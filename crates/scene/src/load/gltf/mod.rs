@@ -1,12 +1,14 @@
 //! glTF 2.0 files, `.gltf` and `.glb`.
 //!
-//! The JSON is read with this module's own [`schema`], because files in practice hold what stricter readers refuse: buffers without data
-//! behind a compression extension, sparse accessors without a view, required extensions newer than any list.
+//! The JSON is read with this module's own [`schema`], because files in practice hold what stricter readers
+//! refuse: buffers without data behind a compression extension, sparse accessors without a view, required
+//! extensions newer than any list.
 //!
-//! **Trust.** A file is input from a stranger. Only files below its own folder are opened. Every index, offset and length is checked where
-//! it is used, and recursion is avoided where a file chooses the depth. What one file may take: the JSON costs at most about
-//! 200 times its size; everything decoded from buffers together at most [`BASE_BYTES`] plus [`BYTES_PER_INPUT_BYTE`] times the bytes read;
-//! images at most [`IMAGE_BYTES`] together; and at most [`MAX_DRAWN_TRIANGLES`] triangles are drawn.
+//! **Trust.** A file is input from a stranger. Only files below its own folder are opened. Every index,
+//! offset and length is checked where it is used, and recursion is avoided where a file chooses the depth.
+//! What one file may take: the JSON costs at most about 200 times its size; everything decoded from buffers
+//! together at most [`limits::BASE_BYTES`] plus [`limits::BYTES_PER_INPUT_BYTE`] times the bytes read; images
+//! at most [`limits::IMAGE_BYTES`] together; and at most [`limits::MAX_DRAWN_TRIANGLES`] triangles are drawn.
 
 use std::path::Path;
 
@@ -29,25 +31,17 @@ mod draco_walk;
 mod image;
 #[cfg(feature = "ktx2")]
 mod ktx2;
+mod limits;
 mod material;
 mod mesh;
 mod meshopt;
 mod node;
 mod resource;
 mod schema;
+mod texels;
 mod topology;
 
 use document::Document;
-
-/// What geometry and animation may take in memory, whatever the size of the file.
-const BASE_BYTES: u64 = 512 << 20;
-/// What they may take on top of that for each byte read: the compression formats reach ratios of about 30.
-const BYTES_PER_INPUT_BYTE: u64 = 64;
-/// What all images of a file may take in memory when decoded.
-const IMAGE_BYTES: u64 = 6 << 30;
-
-/// Triangles that may be drawn, each instance counted: every frame holds all of them, at some 200 bytes each with its hierarchy.
-const MAX_DRAWN_TRIANGLES: u64 = 1 << 26;
 
 /// Extensions that are drawn as they say.
 const DRAWN: &[&str] = &[
@@ -73,7 +67,8 @@ const DRAWN: &[&str] = &[
     "KHR_xmp_json_ld",
 ];
 
-/// Extensions whose absence changes the look but not the sense of a file, so that a file may even require them.
+/// Extensions whose absence changes the look but not the sense of a file, so that a file may even require
+/// them.
 const IGNORED: &[&str] = &[
     "KHR_animation_pointer",
     "KHR_materials_anisotropy",
@@ -88,10 +83,11 @@ const IGNORED: &[&str] = &[
     "KHR_materials_volume",
 ];
 
-/// How much of the neutral surroundings a file with lights of its own is shown in: enough to see what its lights miss.
+/// How much of the neutral surroundings a file with lights of its own is shown in: enough to see what its
+/// lights miss.
 const DIM: f32 = 0.15;
 
-/// Loads a file.
+/// Reads a file, and what it refers to beside it.
 pub(super) fn load(path: &Path) -> Result<Loaded, SceneError> {
     let bytes = resource::read_file(path)?;
     load_slice(&bytes, path)

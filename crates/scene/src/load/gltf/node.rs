@@ -5,8 +5,8 @@ use std::collections::{HashMap, HashSet};
 use glam::{Affine3A, Mat4, Quat, Vec3};
 
 use super::{
-    MAX_DRAWN_TRIANGLES,
-    document::Document,
+    document::{Document, named},
+    limits::MAX_DRAWN_TRIANGLES,
     material::Materials,
     mesh,
     schema::{self, Index},
@@ -17,7 +17,8 @@ use crate::{
     model::{Instance, Light, LightKind, Node, SceneParts, Skin, Transform},
 };
 
-/// Nodes sorted so that a parent stands before its children, with a way from the file's indices to the sorted ones.
+/// Nodes sorted so that a parent stands before its children, with a way from the file's indices to the sorted
+/// ones.
 pub(super) struct Hierarchy {
     /// File index of each sorted node.
     order: Vec<Index>,
@@ -32,14 +33,6 @@ pub(super) struct Hierarchy {
 /// A node in messages.
 pub(super) fn place(document: &Document<'_>, index: Index) -> String {
     named("node", index, document.root.nodes.get(index).and_then(|node| node.name.as_deref()))
-}
-
-/// `mesh 3 'Body'`, or `mesh 3` if it has no name.
-pub(super) fn named(what: &str, index: Index, name: Option<&str>) -> String {
-    match name {
-        Some(name) if !name.is_empty() => format!("{what} {index} '{name}'"),
-        _ => format!("{what} {index}"),
-    }
 }
 
 impl Hierarchy {
@@ -242,6 +235,7 @@ impl Hierarchy {
         let mut drawn_triangles = 0_u64;
         for (at, index, node) in self.shown(document) {
             let Some(mesh_index) = node.mesh else { continue };
+            // What is drawn at the node: the primitives of its mesh, on what skin, how often and with which weights.
             let node_place = place(document, index);
             let primitives = library.primitives(mesh_index, &node_place, materials, &mut parts.meshes)?;
             let skin = match node.skin {
@@ -257,6 +251,7 @@ impl Hierarchy {
             } else {
                 &node.weights
             };
+            // Each copy is an object, each of its primitives an instance.
             for node_from_object in copies {
                 let id = next_id;
                 next_id = next_id
@@ -264,6 +259,7 @@ impl Hierarchy {
                     .ok_or_else(|| document.fault(&node_place, "there are more than 2³² objects"))?;
                 for primitive in &primitives {
                     let mesh = &parts.meshes[primitive.mesh as usize];
+                    // Both what is drawn and what is stored is bounded, since a file can ask for copies without end.
                     drawn_triangles += mesh.indices.len() as u64;
                     if drawn_triangles > MAX_DRAWN_TRIANGLES {
                         let problem = format!(
@@ -277,6 +273,7 @@ impl Hierarchy {
                         size_of::<Instance>() + target_count * size_of::<f32>(),
                         &node_place,
                     )?;
+                    // Weights that the file leaves out are zero; a skin needs a mesh with joints.
                     let mut morph_weights = weights.clone();
                     morph_weights.resize(target_count, 0.0);
                     if morph_weights.iter().any(|weight| !weight.is_finite()) {

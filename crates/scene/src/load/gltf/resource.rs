@@ -66,7 +66,8 @@ pub(super) fn split_container(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), St
     }
 }
 
-/// The bytes a URI stands for: inline data, or a file below `folder`. The error says what is wrong and what to do.
+/// The bytes a URI stands for: inline data, or a file below `folder`. The error says what is wrong and what
+/// to do.
 pub(super) fn read_uri(uri: &str, folder: &Path) -> Result<Vec<u8>, UriError> {
     if uri.get(..5).is_some_and(|scheme| scheme.eq_ignore_ascii_case("data:")) {
         return decode_data_uri(&uri[5..]).map_err(UriError::Refused);

@@ -1,7 +1,8 @@
-//! glTF 2.0 JSON as far as it has an effect here (glTF 2.0, chapter 5, and the extensions named at the fields).
+//! glTF 2.0 JSON as far as it has an effect here (glTF 2.0, chapter 5, and the extensions named at the
+//! fields).
 //!
-//! Nothing is validated beyond JSON types: indices and enum numbers are checked where they are used, where a message can say what for.
-//! Unknown properties are skipped, as the specification asks.
+//! Nothing is validated beyond JSON types: indices and enum numbers are checked where they are used, where a
+//! message can say what for. Unknown properties are skipped, as the specification asks.
 
 use std::collections::BTreeMap;
 

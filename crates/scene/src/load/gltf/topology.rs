@@ -3,7 +3,7 @@
 /// Ways to make triangles of a list of vertices.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Topology {
-    /// Each three vertices.
+    /// Every three vertices are a triangle.
     Triangles,
     /// Each vertex with the two before it, winding alternately.
     Strip,
@@ -12,7 +12,8 @@ pub(super) enum Topology {
 }
 
 impl Topology {
-    /// From the primitive's `mode`; the error is the name of a mode without triangles, or nothing for an unknown one.
+    /// From the primitive's `mode`; the error is the name of a mode without triangles, or nothing for an
+    /// unknown one.
     pub(super) fn from_code(mode: u32) -> Result<Self, Option<&'static str>> {
         match mode {
             0 => Err(Some("points")),

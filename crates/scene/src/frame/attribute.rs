@@ -1,0 +1,27 @@
+//! Vertex attributes at the corners of a triangle, and between them.
+
+use glam::Vec2;
+
+use crate::model::Mesh;
+
+/// Corners of a particle quad's two triangles in its tile, lower left first: they run counter-clockwise seen
+/// from the camera.
+pub(super) const QUAD_UVS: [[Vec2; 3]; 2] = [[Vec2::Y, Vec2::ONE, Vec2::X], [Vec2::Y, Vec2::X, Vec2::ZERO]];
+
+/// Texture coordinates of three vertices; (0, 0) where the mesh lacks the set.
+pub(super) fn corner_uvs(mesh: &Mesh, vertices: [usize; 3], uv_set: u32) -> [Vec2; 3] {
+    mesh.uv_sets.get(uv_set as usize).map_or([Vec2::ZERO; 3], |set| vertices.map(|vertex| set[vertex]))
+}
+
+/// The entries of three vertices; none of an empty list.
+pub(super) fn gather<T: Copy>(list: &[T], vertices: [usize; 3]) -> Option<[T; 3]> {
+    (!list.is_empty()).then(|| vertices.map(|vertex| list[vertex]))
+}
+
+/// The mean of three values by barycentric weights.
+pub(super) fn mix<T: std::ops::Mul<f32, Output = T> + std::ops::Add<Output = T>>(
+    weights: [f32; 3],
+    [a, b, c]: [T; 3],
+) -> T {
+    a * weights[0] + b * weights[1] + c * weights[2]
+}

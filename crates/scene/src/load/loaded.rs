@@ -1,0 +1,65 @@
+//! What comes out of a loader: a scene, and what a user should know of the way there.
+
+use std::fmt;
+
+use crate::scene::Scene;
+
+/// A scene and what was left out of it.
+#[derive(Debug)]
+pub struct Loaded {
+    /// What was in the file, validated.
+    pub scene: Scene,
+    /// Things a user should know, each said once.
+    pub warnings: Vec<LoadWarning>,
+}
+
+/// Something in a file that is shown differently from what its author meant.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum LoadWarning {
+    /// An optional extension that has no effect here.
+    ExtensionIgnored {
+        /// Name of the extension, as the file spells it.
+        extension: String,
+    },
+    /// Points and lines are not drawn.
+    NotTriangles {
+        /// Mesh and primitive, with index and name.
+        place: String,
+        /// What the primitive consists of instead, e.g. `lines`.
+        mode: String,
+    },
+    /// `KHR_materials_transmission` is drawn as coverage: nothing refracts.
+    TransmissionAsCoverage {
+        /// Material index and name.
+        material: String,
+    },
+    /// An animation moves what an earlier one moves, and is not played.
+    AnimationSkipped {
+        /// Animation index and name.
+        place: String,
+    },
+    /// The file was repaired in a way its author would want, e.g. a normal that was not of unit length.
+    Repaired {
+        /// The part that was repaired, with index and name.
+        place: String,
+        /// What was done to it.
+        what: String,
+    },
+}
+
+impl fmt::Display for LoadWarning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::ExtensionIgnored { extension } => write!(f, "extension {extension} has no effect here"),
+            Self::NotTriangles { place, mode } => write!(f, "{place}: {mode} are not drawn"),
+            Self::TransmissionAsCoverage { material } => {
+                write!(f, "{material}: transmission is drawn as alpha coverage, without refraction")
+            }
+            Self::AnimationSkipped { place } => {
+                write!(f, "{place} is not played: it moves what an earlier animation moves")
+            }
+            Self::Repaired { place, what } => write!(f, "{place}: {what}"),
+        }
+    }
+}
