@@ -1,4 +1,5 @@
-// The hit with which the accumulated coverage first exceeds the pixel's threshold: twin of `Tracer::first_exceeding`.
+// The hit with which the accumulated coverage first exceeds the pixel's threshold: twin of
+// `Tracer::first_exceeding`.
 #import method
 #import shared/found
 #import shared/gather
@@ -17,7 +18,6 @@ fn find(pixel: vec2u, ray: CameraRay, has_after: bool, after: Hit) -> Found {
         if !gather_goes_on() {
             break;
         }
-        counted.merged += 1u;
     }
     if gather_ended {
         return Found(true, whole_hit(ray, layers[layer_count - 1u]), transparent, false, vec3f(0.0));

@@ -10,13 +10,13 @@ use std::{
     sync::{Arc, LazyLock},
 };
 
-use sheer_gpu::{AdapterChoice, Gpu, GpuBackend, GpuPathChoice, Tracer};
+use sheer_gpu::{AdapterChoice, Gpu, GpuBackend, GpuPathChoice, GpuPipeline, GpuStage, Tracer};
 use sheer_image::Planes;
 use sheer_lab::{
     agreement::{Disagreement, Tolerance},
     picture,
 };
-use sheer_render::{Antialiasing, Backend, Settings, Stage, backend::Cpu};
+use sheer_render::{Antialiasing, Backend, Method, Settings, Stage, backend::Cpu};
 use sheer_scene::{CameraChoice, Scene};
 
 /// Three built-in scenes, two files, some with an opacity for everything.
@@ -114,6 +114,21 @@ fn selection_shows_the_cpus_fragments_on_both_paths() {
     for path in [GpuPathChoice::Ray, GpuPathChoice::Raster] {
         check(&GPU, path, "joint");
     }
+}
+
+/// More layers than one traversal gathers: a second one goes on behind them, and neither drops nor merges anything.
+#[test]
+fn a_further_traversal_of_selection_merges_nothing() {
+    let scene = scene("layers:count=20,alpha=0.05", None);
+    let mut stage = GpuStage::new(&GPU, scene, &CameraChoice::Default, None).unwrap();
+    let method: Method = "joint".parse().unwrap();
+    let mut pipeline =
+        GpuPipeline::new(&GPU, GpuPathChoice::Ray, method, Antialiasing::None, settings(0)).unwrap();
+    stage.advance(pipeline.clock().at(0)).unwrap();
+    let (counters, _) = pipeline.render(&mut stage, 0).unwrap();
+    let pixels = u64::from(SIZE[0]) * u64::from(SIZE[1]);
+    assert!(counters.camera_rays > pixels + pixels / 5, "few pixels need a further traversal: {counters:?}");
+    assert_eq!(counters.merged, 0, "{counters:?}");
 }
 
 #[test]
