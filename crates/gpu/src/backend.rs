@@ -11,9 +11,10 @@ use sheer_render::{
 use sheer_scene::{CameraChoice, Scene};
 
 use crate::{
-    GpuError,
     device::Gpu,
-    pipeline::{GpuPathChoice, GpuPipeline},
+    error::GpuError,
+    path::GpuPathChoice,
+    pipeline::GpuPipeline,
     raster::{multisample::Sampling, plan::raster_of},
     stage::GpuStage,
 };

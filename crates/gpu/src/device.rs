@@ -3,13 +3,17 @@
 use std::{
     convert::Infallible,
     fmt,
+    path::PathBuf,
     str::FromStr,
     sync::{Arc, Mutex, MutexGuard, PoisonError},
 };
 
-use wgpu::{DeviceType, ErrorFilter, Features, TextureFormat, TextureFormatFeatureFlags};
+use wgpu::{DeviceType, DownlevelFlags, ErrorFilter, Features, TextureFormat, TextureFormatFeatureFlags};
 
-use crate::error::GpuError;
+use crate::{
+    error::GpuError,
+    shader::linked::{self, Linked},
+};
 
 /// Which adapter is taken.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -17,7 +21,8 @@ pub enum AdapterChoice {
     /// The fastest by its kind, then the one that can trace rays.
     #[default]
     Best,
-    /// The one at an index of [`adapters`], or the first whose name or driver contains a text, whatever its case.
+    /// The one at an index of [`adapters`], or the first whose name or driver contains a text, whatever its
+    /// case.
     Named(String),
 }
 
@@ -41,7 +46,7 @@ pub enum Tracer {
 /// An adapter and what it can run.
 #[derive(Clone, Debug)]
 pub struct AdapterReport {
-    /// As the driver gives it.
+    /// The adapter's name, as the driver gives it.
     pub name: String,
     /// Discrete, integrated, virtual, software or unknown.
     pub kind: &'static str,
@@ -57,12 +62,21 @@ pub struct AdapterReport {
     pub msaa: Vec<u32>,
     /// The largest buffer that a shader reads, bytes.
     pub max_storage_bytes: u64,
+    /// How many storage buffers one shader may bind.
+    pub max_storage_buffers: u32,
+    /// Whether there are compute shaders.
+    pub compute: bool,
+    /// Whether vertex shaders read storage buffers and fragment shaders write them.
+    pub storage_in_raster: bool,
 }
 
 impl AdapterReport {
     fn new(adapter: &wgpu::Adapter) -> Self {
         let info = adapter.get_info();
         let features = adapter.features();
+        let limits = adapter.limits();
+        let flags = adapter.get_downlevel_capabilities().flags;
+        let storage_in_raster = DownlevelFlags::VERTEX_STORAGE | DownlevelFlags::FRAGMENT_WRITABLE_STORAGE;
         Self {
             name: info.name,
             kind: kind_word(info.device_type),
@@ -71,7 +85,10 @@ impl AdapterReport {
             ray_query: features.contains(Features::EXPERIMENTAL_RAY_QUERY),
             timestamps: features.contains(Features::TIMESTAMP_QUERY),
             msaa: [4, 8].into_iter().filter(|&count| has_samples(adapter, count)).collect(),
-            max_storage_bytes: adapter.limits().max_storage_buffer_binding_size,
+            max_storage_bytes: limits.max_storage_buffer_binding_size,
+            max_storage_buffers: limits.max_storage_buffers_per_shader_stage,
+            compute: flags.contains(DownlevelFlags::COMPUTE_SHADERS),
+            storage_in_raster: flags.contains(storage_in_raster),
         }
     }
 }
@@ -133,7 +150,8 @@ pub fn adapters() -> Vec<AdapterReport> {
 /// The features that are used where an adapter has them; none is indispensable.
 ///
 /// * `EXPERIMENTAL_RAY_QUERY`: [`Tracer::Query`]; without it our own tree is traversed.
-/// * `TIMESTAMP_QUERY`: times of passes by the device's clock; without it the frame as a whole is timed from outside.
+/// * `TIMESTAMP_QUERY`: times of passes by the device's clock; without it the frame as a whole is timed from
+///   outside.
 /// * `FLOAT32_BLENDABLE`: sums of moments by the blending units; without it the method is refused.
 /// * `TEXTURE_ADAPTER_SPECIFIC_FORMAT_FEATURES`: 8 samples a pixel; without it there are 4 and more passes.
 fn wanted_features() -> Features {
@@ -159,13 +177,15 @@ struct Open {
     generation: u32,
 }
 
-/// An adapter with its device. When the device is lost a new one takes its place: what was made with the old one has another
-/// [`Self::generation`] and has to be made again.
+/// An adapter with its device. When the device is lost a new one takes its place: what was made with the old
+/// one has another [`Self::generation`] and has to be made again.
 #[derive(Debug)]
 pub struct Gpu {
     choice: AdapterChoice,
     tracer: Option<Tracer>,
     report: AdapterReport,
+    /// Where the sources of shaders are written, if anywhere.
+    pub(crate) shader_folder: Option<PathBuf>,
     open: Mutex<Open>,
 }
 
@@ -189,15 +209,21 @@ impl Gpu {
     /// As [`Self::new`], or the adapter has no ray query.
     pub fn with_tracer(choice: &AdapterChoice, tracer: Option<Tracer>) -> Result<Arc<Self>, GpuError> {
         let (report, open) = open(choice, tracer, 0)?;
-        Ok(Arc::new(Self { choice: choice.clone(), tracer, report, open: Mutex::new(open) }))
+        Ok(Arc::new(Self {
+            choice: choice.clone(),
+            tracer,
+            report,
+            shader_folder: linked::folder(),
+            open: Mutex::new(open),
+        }))
     }
 
-    /// The device.
+    /// The device that is open now: another one after it was lost.
     pub(crate) fn device(&self) -> wgpu::Device {
         lock(&self.open).device.clone()
     }
 
-    /// Its queue.
+    /// The queue of the device that is open now.
     pub(crate) fn queue(&self) -> wgpu::Queue {
         lock(&self.open).queue.clone()
     }
@@ -252,7 +278,7 @@ impl Gpu {
     /// The first thing that went wrong since the last call; `what` was being done.
     ///
     /// # Errors
-    /// That thing.
+    /// The device is lost, has no memory left, or has refused something.
     pub(crate) fn check(&self, what: &str) -> Result<(), GpuError> {
         let open = lock(&self.open);
         let mut faults = lock(&open.faults);
@@ -263,19 +289,24 @@ impl Gpu {
         errors.into_iter().next().map_or(Ok(()), |error| Err(gpu_error(error, what)))
     }
 
-    /// Compiles a linked shader.
+    /// Compiles a linked shader, and writes its source to the folder that `SHEER_SHADERS` names.
     ///
     /// # Errors
-    /// [`GpuError::Shader`] with the place in the text and what is wrong there.
-    pub(crate) fn shader(&self, piece: &str, text: String) -> Result<wgpu::ShaderModule, GpuError> {
+    /// [`GpuError::Shader`] with piece and line and what is wrong there, or when the source cannot be
+    /// written.
+    pub(crate) fn shader(&self, linked: &Linked) -> Result<wgpu::ShaderModule, GpuError> {
+        if let Some(folder) = &self.shader_folder {
+            linked.write(folder)?;
+        }
         let device = self.device();
         let scope = device.push_error_scope(ErrorFilter::Validation);
-        let source = wgpu::ShaderSource::Wgsl(text.into());
-        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor { label: Some(piece), source });
+        let source = wgpu::ShaderSource::Wgsl(linked.text.as_str().into());
+        let label = Some(linked.piece.as_str());
+        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor { label, source });
         match pollster::block_on(scope.pop()) {
             Some(error) => Err(GpuError::Shader {
-                piece: piece.to_owned(),
-                problem: error.to_string().trim().to_owned(),
+                piece: linked.piece.clone(),
+                problem: linked.relocated(&error.to_string()),
             }),
             None => Ok(module),
         }
@@ -346,8 +377,9 @@ fn experimental(features: Features) -> wgpu::ExperimentalFeatures {
         return wgpu::ExperimentalFeatures::disabled();
     }
     #[expect(unsafe_code, reason = "the only way to ray query in wgpu")]
-    // SAFETY: what may go wrong there is a shader that misuses a query; ours ask for candidates only after `proceed` was true and for the
-    // committed hit only after it was false, and all of them are traced in the tests.
+    // SAFETY: what may go wrong there is a shader that misuses a query; ours ask for candidates only after
+    // `proceed` was true and for the committed hit only after it was false, and all of them are traced in the
+    // tests.
     unsafe {
         wgpu::ExperimentalFeatures::enabled()
     }
@@ -376,15 +408,23 @@ fn choose(choice: &AdapterChoice) -> Result<wgpu::Adapter, GpuError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::shader::Linker;
 
     #[test]
-    fn a_bad_shader_is_told_with_its_place_and_the_device_lives() {
+    fn a_bad_shader_is_told_by_piece_and_line_and_the_device_lives() {
         let gpu = Gpu::new(&AdapterChoice::Best).expect("the tests need a Vulkan driver");
-        let text = "@compute @workgroup_size(1)\nfn cs_slip() { let x = nothing; }\n";
-        let error = gpu.shader("pass/slip", text.to_owned()).unwrap_err().to_string();
-        assert!(error.contains("pass/slip") && error.contains("nothing") && error.contains("2:"), "{error}");
+        let slip = "// The second line is wrong.\nfn helper() -> f32 { return nothing; }\n";
+        let pass = "#import shared/helper\n@compute @workgroup_size(1)\nfn cs_slip() { let x = helper(); }\n";
+        let linked = |helper| {
+            let pieces = [("pass/slip", pass), ("shared/helper", helper)];
+            Linker::of_pieces(&pieces, "const C: u32 = 1u;\n".to_owned()).link("pass/slip").unwrap()
+        };
+        let error = gpu.shader(&linked(slip)).unwrap_err().to_string();
+        assert!(error.contains("pass/slip") && error.contains("nothing"), "{error}");
+        assert!(error.contains("shared/helper.wgsl:2:"), "{error}");
+        assert!(!error.contains("wgsl:3:"), "the line of the whole text is told: {error}");
         gpu.check("what came before").unwrap();
-        gpu.shader("pass/right", text.replace("nothing", "1")).unwrap();
+        gpu.shader(&linked("fn helper() -> f32 { return 1.0; }\n")).unwrap();
     }
 
     #[test]

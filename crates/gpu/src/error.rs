@@ -18,7 +18,7 @@ pub enum GpuError {
     /// The adapter is there but opens no device.
     #[error("{adapter} opens no device: {problem}; try another one of `sheer devices`")]
     NoDevice {
-        /// Its name.
+        /// The adapter's name, as the driver gives it.
         adapter: String,
         /// What the driver says.
         problem: String,
@@ -66,7 +66,7 @@ pub enum GpuError {
     /// The driver or wgpu refuses what was recorded: a slip of ours.
     #[error("{what} was refused: {problem}")]
     Refused {
-        /// What was recorded.
+        /// What was being made or recorded.
         what: String,
         /// What is wrong with it.
         problem: String,

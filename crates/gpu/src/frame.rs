@@ -1,28 +1,22 @@
-//! What a frame is rendered with, as shaders read it: the twin of shaders/shared/frame.wgsl.
+//! What a frame is rendered with, from a stage and a pipeline to the uniform that every pass reads.
+//!
+//! One uniform for all passes, written once a frame before anything is recorded: a pass that needs two of its
+//! numbers binds the same group as one that needs twenty, and groups need not be made anew from frame to
+//! frame. What depends on the scene comes from the frame and its extent, what depends on the run from
+//! [`FrameParameters`]. Numbers that a division makes are made here, by the CPU's division, which shaders are
+//! free to round otherwise.
 
-use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec3};
 use sheer_render::{Background, contract::Hybrid};
 use sheer_scene::{CameraPose, Frame, Lens};
 
 use crate::{
-    shader::numbers::{BACKGROUND_COLOUR, BACKGROUND_ENVIRONMENT, BACKGROUND_NONE},
+    shader::{
+        numbers::{BACKGROUND_COLOUR, BACKGROUND_ENVIRONMENT, BACKGROUND_NONE},
+        record::frame::{CameraUniform, FrameUniform},
+    },
     stage::Extent,
 };
-
-/// A camera at one moment: columns of `world_from_camera`, and its lens.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-pub(crate) struct CameraUniform {
-    pub(crate) x_axis: [f32; 3],
-    pub(crate) tan_half_fov: f32,
-    pub(crate) y_axis: [f32; 3],
-    pub(crate) half_height: f32,
-    pub(crate) z_axis: [f32; 3],
-    pub(crate) is_orthographic: u32,
-    pub(crate) eye: [f32; 3],
-    pub(crate) padding: u32,
-}
 
 impl From<&CameraPose> for CameraUniform {
     fn from(pose: &CameraPose) -> Self {
@@ -38,52 +32,22 @@ impl From<&CameraPose> for CameraUniform {
             half_height,
             z_axis: axes.z_axis.into(),
             is_orthographic,
-            eye: pose.eye().into(),
+            eye: pose.eye(),
             padding: 0,
         }
     }
 }
 
-/// Uniform of a frame. Units and spaces as in shaders/shared/frame.wgsl.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-pub(crate) struct FrameUniform {
-    pub(crate) camera: CameraUniform,
-    pub(crate) previous_camera: CameraUniform,
-    pub(crate) size: [u32; 2],
-    pub(crate) jitter: [f32; 2],
-    pub(crate) index: u32,
-    pub(crate) seed: u32,
-    pub(crate) triangle_count: u32,
-    pub(crate) static_count: u32,
-    pub(crate) light_count: u32,
-    pub(crate) lobe_count: u32,
-    pub(crate) background_kind: u32,
-    pub(crate) tinted: u32,
-    pub(crate) background_rgb: [f32; 3],
-    pub(crate) exposure: f32,
-    pub(crate) zenith: [f32; 3],
-    pub(crate) lift: f32,
-    pub(crate) horizon: [f32; 3],
-    pub(crate) depth_near: f32,
-    pub(crate) ground: [f32; 3],
-    pub(crate) depth_far: f32,
-    pub(crate) reach: f32,
-    pub(crate) hybrid_visibility: f32,
-    pub(crate) hybrid_layers: u32,
-    pub(crate) inverse_height: f32,
-}
-
 /// What differs from pipeline to pipeline and from frame to frame.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct FrameParameters {
-    /// Pixels.
+    /// Columns and rows of pixels.
     pub(crate) size: [u32; 2],
     /// Offset of the sample from the pixel centre, pixels.
     pub(crate) jitter: Vec2,
-    /// Frame index.
+    /// Number of the frame in the clip.
     pub(crate) index: u32,
-    /// Seed of the run.
+    /// Seed of the run's random numbers.
     pub(crate) seed: u32,
     /// What lies behind everything.
     pub(crate) background: Background,
@@ -103,8 +67,8 @@ impl FrameUniform {
         Self {
             camera: frame.camera().into(),
             previous_camera: frame.previous_camera().into(),
-            size: parameters.size,
-            jitter: parameters.jitter.into(),
+            size: parameters.size.into(),
+            jitter: parameters.jitter,
             index: parameters.index,
             seed: parameters.seed,
             triangle_count: frame.triangles().len() as u32,
@@ -113,13 +77,13 @@ impl FrameUniform {
             lobe_count: scene.environment.lobes.len() as u32,
             background_kind,
             tinted: u32::from(frame.tints_light()),
-            background_rgb: background_rgb.into(),
+            background_rgb,
             exposure: scene.exposure,
-            zenith: scene.environment.zenith.into(),
+            zenith: scene.environment.zenith,
             lift: extent.lift,
-            horizon: scene.environment.horizon.into(),
+            horizon: scene.environment.horizon,
             depth_near,
-            ground: scene.environment.ground.into(),
+            ground: scene.environment.ground,
             depth_far,
             reach: extent.reach(frame.camera()),
             hybrid_visibility: parameters.hybrid.visibility,

@@ -1,41 +1,51 @@
-//! Bind groups that all passes have in common: 0 the scene and the frame, 1 the pixels that come of it and the shadow maps.
+//! Bind groups that all passes have in common: 0 the scene and the frame, 1 the pixels that come of it and
+//! the shadow maps.
 
 use wgpu::{BindGroupEntry, BindGroupLayoutEntry, BufferBindingType, ShaderStages};
 
-use crate::resource::bind_group::{buffer_entry, group_of, layout, read_only_entry, whole};
-
-/// Binding of the uniform of shaders/shared/frame.wgsl.
-const FRAME: u32 = 0;
-/// Binding of the tables of shaders/shared/tables.wgsl.
-const TABLES: u32 = 14;
-/// Binding of the surfaces of shaders/shared/pass.wgsl.
-const SURFACES: u32 = 5;
+use crate::{
+    resource::bind_group::{buffer_entry, group_of, layout, read_only_entry, whole},
+    shader::binding::{BIND_COUNTERS, BIND_FRAME, BIND_PIXELS, BIND_SURFACES, BIND_TABLES},
+};
 
 /// Layouts of groups 0 and 1.
 #[derive(Debug)]
 pub(crate) struct Layouts {
-    /// Group 0.
+    /// The layout of group 0: the scene and the frame.
     pub(crate) scene: wgpu::BindGroupLayout,
-    /// Group 1.
+    /// The layout of group 1: what passes write, and the shadow maps.
     pub(crate) pass: wgpu::BindGroupLayout,
 }
 
 impl Layouts {
-    /// `scene` lays out the stage's part of group 0, `maps` the shadow maps' part of group 1, which is empty without maps.
+    /// `scene` lays out the stage's part of group 0, `maps` the shadow maps' part of group 1, which is empty
+    /// without maps.
     pub(crate) fn new(
         device: &wgpu::Device,
         scene: &[BindGroupLayoutEntry],
         maps: &[BindGroupLayoutEntry],
     ) -> Self {
+        let [group_0, group_1] = Self::entries(scene, maps);
+        Self { scene: layout(device, "scene", &group_0), pass: layout(device, "pass", &group_1) }
+    }
+
+    /// The entries of groups 0 and 1.
+    pub(crate) fn entries(
+        scene: &[BindGroupLayoutEntry],
+        maps: &[BindGroupLayoutEntry],
+    ) -> [Vec<BindGroupLayoutEntry>; 2] {
         let every = ShaderStages::VERTEX_FRAGMENT | ShaderStages::COMPUTE;
         let writers = ShaderStages::FRAGMENT | ShaderStages::COMPUTE;
-        let mut group_0 =
-            vec![buffer_entry(FRAME, every, BufferBindingType::Uniform), read_only_entry(TABLES, every)];
+        let mut group_0 = vec![
+            buffer_entry(BIND_FRAME, every, BufferBindingType::Uniform),
+            read_only_entry(BIND_TABLES, every),
+        ];
         group_0.extend(scene);
+        let written = [BIND_PIXELS, BIND_COUNTERS, BIND_SURFACES];
         let read_write = BufferBindingType::Storage { read_only: false };
-        let mut group_1 = [0, 1, SURFACES].map(|binding| buffer_entry(binding, writers, read_write)).to_vec();
+        let mut group_1 = written.map(|binding| buffer_entry(binding, writers, read_write)).to_vec();
         group_1.extend(maps);
-        Self { scene: layout(device, "scene", &group_0), pass: layout(device, "pass", &group_1) }
+        [group_0, group_1]
     }
 
     /// Group 0; `stage` binds what the scene consists of.
@@ -46,7 +56,7 @@ impl Layouts {
         tables: &wgpu::Buffer,
         stage: Vec<BindGroupEntry<'_>>,
     ) -> wgpu::BindGroup {
-        let entries = [vec![whole(FRAME, frame), whole(TABLES, tables)], stage].concat();
+        let entries = [vec![whole(BIND_FRAME, frame), whole(BIND_TABLES, tables)], stage].concat();
         group_of(device, "scene", &self.scene, &entries)
     }
 
@@ -57,7 +67,8 @@ impl Layouts {
         [pixels, counters, surfaces]: [&'a wgpu::Buffer; 3],
         maps: impl IntoIterator<Item = BindGroupEntry<'a>>,
     ) -> wgpu::BindGroup {
-        let mut entries = vec![whole(0, pixels), whole(1, counters), whole(SURFACES, surfaces)];
+        let mut entries =
+            vec![whole(BIND_PIXELS, pixels), whole(BIND_COUNTERS, counters), whole(BIND_SURFACES, surfaces)];
         entries.extend(maps);
         group_of(device, "pass", &self.pass, &entries)
     }

@@ -1,4 +1,5 @@
-//! The GPU backend: the same scenes, the same methods and the same pictures as on the CPU, by ray query or by raster through wgpu.
+//! The GPU backend: the same scenes, the same methods and the same pictures as on the CPU, by ray query or by
+//! raster through wgpu.
 
 mod accel;
 mod backend;
@@ -6,6 +7,7 @@ mod device;
 mod error;
 mod frame;
 mod layouts;
+mod path;
 mod pipeline;
 mod pixels;
 mod raster;
@@ -26,6 +28,7 @@ pub use crate::{
     backend::GpuBackend,
     device::{AdapterChoice, AdapterReport, Gpu, Tracer, adapters},
     error::GpuError,
-    pipeline::{GpuPath, GpuPathChoice, GpuPipeline},
+    path::{GpuPath, GpuPathChoice},
+    pipeline::GpuPipeline,
     stage::GpuStage,
 };

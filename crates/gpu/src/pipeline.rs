@@ -1,4 +1,18 @@
-//! Frames one after the other on the device: method, shaders, accumulation.
+//! Frames one after the other on the device: a method, its shaders and what it has added up.
+//!
+//! A pipeline owns everything that depends on the method and the size of the picture: shaders, the buffers of
+//! its pixels, its history, its shadow maps. What depends on the scene belongs to the stage, so that several
+//! pipelines render the same moment of one stage, as `compare` and `bench` ask for. Nothing leaves the device
+//! before it is read: [`GpuPipeline::submit`] sends a frame off and returns, [`GpuPipeline::render`] waits
+//! for it and reads what it cost, [`GpuPipeline::planes`] reads the picture.
+//!
+//! All of a pipeline's part of the device is one value, [`Resources`], which remembers the generation of the
+//! device that it was made with: after a device is lost it is made anew as a whole, and nothing of the old
+//! device can be left in it.
+//!
+//! A frame is one command buffer: shadow maps, the passes of the path, adding up, and the copies of counters
+//! and timestamps. Bind group 0 is made again when the stage has other buffers, group 1 when the shadow maps
+//! have.
 
 use std::{sync::Arc, time::Instant};
 
@@ -14,14 +28,18 @@ use crate::{
     accel,
     device::{Gpu, Tracer},
     error::GpuError,
-    frame::{FrameParameters, FrameUniform},
+    frame::FrameParameters,
     layouts::Layouts,
+    path::{GpuPath, GpuPathChoice, choose_path},
     pixels::{PIXEL_BYTES, read_planes},
     raster::{RasterPath, multisample::Sampling, plan::raster_of},
     ray::{RayPath, Search},
     recording::{Groups, Recording},
     resource::buffer::{buffer, pixel_buffer},
-    shader::Linker,
+    shader::{
+        Linker,
+        record::{frame::FrameUniform, pixel::Counts},
+    },
     shadow::{self, MapRays, MapSettings, ShadowMaps},
     stage::GpuStage,
     tables::Tables,
@@ -29,46 +47,9 @@ use crate::{
     timing::Timer,
 };
 
-/// How pixels come about.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum GpuPath {
-    /// Each pixel follows its ray.
-    Ray,
-    /// All triangles are drawn.
-    Raster,
-}
-
-/// What the user says of it.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum GpuPathChoice {
-    /// Rays where the device traces them itself and the method goes by rays, else raster.
-    #[default]
-    Automatic,
-    /// Rays, through our own tree where the device has none.
-    Ray,
-    /// Raster.
-    Raster,
-}
-
-impl GpuPathChoice {
-    /// All, in the order in which they are listed.
-    pub const ALL: [Self; 3] = [Self::Automatic, Self::Ray, Self::Raster];
-
-    /// The name by which the backend is asked for.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Automatic => "gpu",
-            Self::Ray => "gpu:ray",
-            Self::Raster => "gpu:raster",
-        }
-    }
-}
-
-/// Counters of a frame, in the order of shaders/shared/counters.wgsl.
-const COUNTER_COUNT: usize = 5;
-const COUNTER_BYTES: u64 = 4 * COUNTER_COUNT as u64;
-/// Bytes of a surface of shaders/shared/found.wgsl.
+/// What a frame costs.
+const COUNTER_BYTES: u64 = size_of::<Counts>() as u64;
+/// What the one shaded fragment of a pixel takes: the four words of shaders/shared/found.wgsl.
 const SURFACE_BYTES: u64 = 16;
 /// Passes of a frame that are timed: those of 64 peeled layers, and what comes with them.
 const MOST_PASSES: u32 = 256;
@@ -113,35 +94,6 @@ pub struct GpuPipeline {
     steps: Vec<StepTime>,
 }
 
-/// Decides by what the method is and what the device can.
-fn choose_path(
-    gpu: &Gpu,
-    choice: GpuPathChoice,
-    method: &Method,
-) -> Result<(GpuPath, Vec<String>), GpuError> {
-    let goes_by_rays = Search::of(method).is_some();
-    match choice {
-        GpuPathChoice::Raster => Ok((GpuPath::Raster, Vec::new())),
-        GpuPathChoice::Ray if goes_by_rays => Ok((GpuPath::Ray, Vec::new())),
-        GpuPathChoice::Ray => Err(GpuError::Unsupported {
-            what: format!(
-                "method {} wants its fragments in the order in which they are drawn",
-                method.info().id
-            ),
-            instead: "take --backend gpu or gpu:raster".to_owned(),
-        }),
-        GpuPathChoice::Automatic if !goes_by_rays => Ok((GpuPath::Raster, Vec::new())),
-        GpuPathChoice::Automatic if gpu.tracer() == Tracer::Query => Ok((GpuPath::Ray, Vec::new())),
-        GpuPathChoice::Automatic => {
-            let name = &gpu.report().name;
-            let note = format!(
-                "{name} has no ray query: {method} is drawn by raster; --backend gpu:ray traces it all the same"
-            );
-            Ok((GpuPath::Raster, vec![note]))
-        }
-    }
-}
-
 impl GpuPipeline {
     /// Compiles what the method needs; nothing is rendered yet.
     ///
@@ -174,19 +126,19 @@ impl GpuPipeline {
         Clock::new(&self.settings, self.antialiasing)
     }
 
-    /// The method.
+    /// The method that it renders with, with all its parameters.
     #[must_use]
     pub fn method(&self) -> &Method {
         &self.method
     }
 
-    /// How its pixels come about.
+    /// Which path the method takes on this device.
     #[must_use]
     pub fn path(&self) -> GpuPath {
         self.path
     }
 
-    /// What its user should know.
+    /// What its user should know: why a method does not go by rays, for instance.
     #[must_use]
     pub fn notes(&self) -> &[String] {
         &self.notes
@@ -198,8 +150,8 @@ impl GpuPipeline {
         &self.steps
     }
 
-    /// Renders frame `index`, counted from the run's first, of a stage that has been advanced to it, and adds it to the history. A device that
-    /// is lost on the way is replaced once; the history starts anew then.
+    /// Renders frame `index`, counted from the run's first, of a stage that has been advanced to it, and adds
+    /// it to the history. A device that is lost on the way is replaced once; the history starts anew then.
     ///
     /// # Errors
     /// The device refuses, has no memory left, or is lost twice.
@@ -207,8 +159,8 @@ impl GpuPipeline {
         self.twice_if_lost(|pipeline| pipeline.try_render(stage, index))
     }
 
-    /// The same without waiting: the device works while the caller prepares the next frame. Nothing is read back, so that a frame's cost is
-    /// unknown and a device that is lost on the way shows in the next call.
+    /// The same without waiting: the device works while the caller prepares the next frame. Nothing is read
+    /// back, so that a frame's cost is unknown and a device that is lost on the way shows in the next call.
     ///
     /// # Errors
     /// As [`Self::render`].
@@ -267,7 +219,8 @@ impl GpuPipeline {
         read_planes(&self.gpu, pixels, history.colour(), self.settings.size)
     }
 
-    /// Bytes a pixel that the method takes on the device beyond the pixels themselves, their history and opaque colour and depth.
+    /// Bytes a pixel that the method takes on the device beyond the pixels themselves, their history and
+    /// opaque colour and depth.
     #[must_use]
     pub fn method_bytes_per_pixel(&self) -> f64 {
         let [width, height] = self.settings.size.map(f64::from);
@@ -278,8 +231,8 @@ impl GpuPipeline {
     }
 }
 
-/// By the device's clock where it has one, else by ours, which counts everything as tracing. Adding up over time is no part of a frame (STD
-/// section 4).
+/// By the device's clock where it has one, else by ours, which counts everything as tracing. Adding up over
+/// time is no part of a frame (STD section 4).
 fn timings(build_ms: f64, wall_ms: f64, steps: &[StepTime]) -> Timings {
     let sum = |temporal: bool| -> f64 {
         steps.iter().filter(|step| (step.name == temporal::STEP) == temporal).map(|step| step.ms).sum()
@@ -299,6 +252,7 @@ impl Resources {
     ) -> Result<Self, GpuError> {
         let generation = gpu.generation();
         let device = gpu.device();
+        // What can be refused is, before anything is made.
         let maps = MapSettings::of(&settings.shadow)?;
         let map_entries = maps.map(|_| ShadowMaps::layout_entries(ShadowMaps::READERS, true));
         let layouts = Layouts::new(
@@ -306,6 +260,7 @@ impl Resources {
             &GpuStage::layout_entries(gpu.tracer()),
             map_entries.as_ref().map_or(&[], |entries| &entries[..]),
         );
+        // Memory that no technique differs in.
         let pixels = pixel_buffer(gpu, settings.size, "pixels", [PIXEL_BYTES, 0], BufferUsages::COPY_SRC)?;
         let usage = BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
         let counters = buffer(&device, "counters", COUNTER_BYTES, usage);
@@ -325,6 +280,7 @@ impl Resources {
         });
         let surfaces =
             pixel_buffer(gpu, settings.size, "surfaces", [SURFACE_BYTES, 0], BufferUsages::empty())?;
+        // Shaders: light first, since all that shades is linked with the way it is looked up.
         let mut linker = base_linker(gpu.tracer()).constants(table_words.constants());
         if let Some(maps) = maps {
             linker = linker.alias("shadow", "shared/shadow_map").constants(maps.constants());
@@ -340,6 +296,7 @@ impl Resources {
                 Executor::Raster(Box::new(RasterPath::new(gpu, method, search, settings, &linker, &layouts)?))
             }
         };
+        // What becomes of the pixels, and what they take.
         let history = History::new(gpu, antialiasing, settings.size)?;
         let timer = Timer::new(&device, &gpu.queue(), MOST_PASSES);
         gpu.check("what a method needs")?;
@@ -370,12 +327,14 @@ impl Resources {
         alignment: Alignment,
     ) -> Result<u64, GpuError> {
         let (device, queue) = (gpu.device(), gpu.queue());
+        // The frame's numbers and the room for its shadow maps.
         let uniform = FrameUniform::new(stage.frame(), stage.extent(), parameters);
         queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(&uniform));
         let map_rays = match &mut self.shadows {
             Some(shadows) => shadows.prepare(gpu, stage, parameters)?,
             None => MapRays::default(),
         };
+        // Groups whose buffers are others now are bound anew.
         if map_rays.replaced {
             self.pass_group = self.layouts.pass_group(
                 &device,
@@ -389,6 +348,7 @@ impl Resources {
         }
         let Some((_, scene)) = &self.scene_group else { unreachable!("made just now") };
         let groups = Groups { scene, pass: &self.pass_group };
+        // The passes, in the order in which they need one another.
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         encoder.clear_buffer(&self.counters, 0, None);
         let mut recording = Recording {
@@ -413,6 +373,7 @@ impl Resources {
             alignment,
             [parameters.index, parameters.seed],
         );
+        // What is read back, and off it goes.
         encoder.copy_buffer_to_buffer(&self.counters, 0, &self.counters_read, 0, COUNTER_BYTES);
         self.timer.resolve(&mut encoder);
         queue.submit([encoder.finish()]);
@@ -425,15 +386,20 @@ impl Resources {
         let slice = self.counters_read.slice(..);
         slice.map_async(wgpu::MapMode::Read, |_| ());
         gpu.wait()?;
-        let mut numbers = [0_u32; COUNTER_COUNT];
-        {
+        let counts: Counts = {
             let lost = |error: wgpu::MapRangeError| GpuError::DeviceLost { reason: error.to_string() };
             let view = slice.get_mapped_range().map_err(lost)?;
-            numbers.copy_from_slice(bytemuck::cast_slice(&view));
-        }
+            bytemuck::pod_read_unaligned(&view)
+        };
         self.counters_read.unmap();
-        let [camera_rays, shadow_rays, hits, shaded, merged] = numbers.map(u64::from);
-        Ok(Counters { camera_rays, shadow_rays, hits, shaded, merged })
+        let Counts { camera_rays, shadow_rays, hits, shaded, merged } = counts;
+        Ok(Counters {
+            camera_rays: camera_rays.into(),
+            shadow_rays: shadow_rays.into(),
+            hits: hits.into(),
+            shaded: shaded.into(),
+            merged: merged.into(),
+        })
     }
 }
 

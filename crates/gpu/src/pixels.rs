@@ -1,29 +1,9 @@
 //! Pixels as passes write them, and as the rest of the program reads them.
 
-use bytemuck::{Pod, Zeroable};
 use rayon::prelude::*;
 use sheer_image::{Pixel, Planes};
 
-use crate::{device::Gpu, error::GpuError, resource::buffer::buffer};
-
-/// What a frame knows of a pixel: shaders/shared/pixel.wgsl.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-pub(crate) struct PixelRecord {
-    /// Linear RGBA, premultiplied.
-    pub(crate) colour: [f32; 4],
-    /// Pixels, from this frame to the last: where the surface was, minus where it is.
-    pub(crate) motion: [f32; 2],
-    /// Along the view axis, scene units; without meaning where nothing is, since shaders have no word for infinity.
-    pub(crate) depth: f32,
-    /// 1 where a transparent fragment takes part.
-    pub(crate) transparent: u32,
-    /// [`Planes::NO_ID`] where nothing is.
-    pub(crate) instance: u32,
-    /// [`Planes::NO_ID`] where nothing is.
-    pub(crate) primitive: u32,
-    pub(crate) padding: [u32; 2],
-}
+use crate::{device::Gpu, error::GpuError, resource::buffer::buffer, shader::record::pixel::PixelRecord};
 
 /// Bytes of a pixel in a buffer.
 pub(crate) const PIXEL_BYTES: u64 = size_of::<PixelRecord>() as u64;
@@ -37,7 +17,7 @@ impl PixelRecord {
         Pixel {
             colour,
             depth: if is_empty { f32::INFINITY } else { self.depth },
-            motion: self.motion,
+            motion: self.motion.into(),
             instance: self.instance,
             primitive: self.primitive,
             transparent: self.transparent != 0,

@@ -1,4 +1,15 @@
 //! The ray path: one pixel an invocation of a compute shader, traced by the device or through our own tree.
+//!
+//! Methods of one shaded fragment take two passes: `pass/find`, which knows the method, leaves what it has
+//! found in 16 bytes a pixel, and `pass/shade`, which is the same for all of them. Hybrids and the exact
+//! answer shade several fragments a pixel and do so in the pass that finds them, `pass/hybrid`, by one loop
+//! with a single place that shades. Both are for the sake of compilers that inline everything: a software
+//! driver compiles each place that shades for half a minute, and with two passes does so once for all methods
+//! of one fragment.
+//!
+//! What a method asks for is a [`Search`]: which piece finds the fragment of its stochastic ray, how many
+//! fragments are exact, and how many one traversal keeps. The raster path links the same pieces over lists
+//! instead of rays.
 
 use sheer_render::{
     Method,
@@ -10,10 +21,15 @@ use crate::{
     error::GpuError,
     layouts::Layouts,
     recording::{Groups, Recording, compute_pipeline},
-    shader::Linker,
+    shader::{
+        Linker,
+        constant::{self, Constant},
+        linked::Linked,
+    },
 };
 
-/// Fragments that one traversal keeps in order. More are found by a further ray; each takes 16 bytes of registers or local memory.
+/// Fragments that one traversal keeps in order. More are found by a further ray; each takes 16 bytes of
+/// registers or local memory.
 const LAYER_CAPACITY: u32 = 8;
 
 /// The piece for methods that decide hit by hit.
@@ -26,7 +42,7 @@ pub(crate) struct Search {
     find: &'static str,
     /// Up to where fragments are exact.
     pub(crate) hybrid: Hybrid,
-    /// Fragments a traversal.
+    /// How many fragments one traversal keeps in order.
     layer_capacity: u32,
 }
 
@@ -43,7 +59,8 @@ impl Visitor for SearchOf<'_> {
         Some(Search { find: "pass/find_selection", hybrid: self.0.hybrid(), layer_capacity: LAYER_CAPACITY })
     }
 
-    /// Nothing but the exact search stands for an ordered method; its fragments could be handed to none other.
+    /// Nothing but the exact search stands for an ordered method; its fragments could be handed to none
+    /// other.
     fn ordered(self, method: &impl OrderedCompositing) -> Option<Search> {
         let layer_capacity = match method.traversal() {
             Traversal::Sorted => LAYER_CAPACITY,
@@ -64,7 +81,8 @@ impl Search {
         method.visit(SearchOf(method))
     }
 
-    /// Whether the method shades one fragment a pixel and nothing else: then finding it and shading it are two passes.
+    /// Whether the method shades one fragment a pixel and nothing else: then finding it and shading it are
+    /// two passes.
     pub(crate) fn is_pure(self) -> bool {
         self.hybrid == Hybrid::NONE
     }
@@ -75,7 +93,7 @@ impl Search {
     }
 
     /// The shader of the ray path.
-    pub(crate) fn link(self, linker: Linker) -> Result<String, GpuError> {
+    pub(crate) fn link(self, linker: Linker) -> Result<Linked, GpuError> {
         let linker = linker.alias("find", self.find).alias("tail", "shared/tail_none");
         linker.constants(self.constants()).link(self.piece().0)
     }
@@ -92,11 +110,11 @@ impl Search {
 
     /// Emitted for the shader.
     pub(crate) fn constants(self) -> String {
-        format!("const LAYER_CAPACITY: u32 = {}u;\n", self.layer_capacity)
+        constant::text(&[Constant::new("LAYER_CAPACITY", self.layer_capacity)])
     }
 }
 
-/// The shaders of a method.
+/// The pass that traces a method's rays, and the one that shades where that is another.
 #[derive(Debug)]
 pub(crate) struct RayPath {
     trace: wgpu::ComputePipeline,
@@ -104,6 +122,9 @@ pub(crate) struct RayPath {
 }
 
 impl RayPath {
+    /// What the time of its first pass is reported as.
+    const STEP: &str = "trace";
+
     pub(crate) fn new(
         gpu: &Gpu,
         method: &Method,
@@ -112,16 +133,22 @@ impl RayPath {
         layouts: &Layouts,
     ) -> Result<Self, GpuError> {
         let (piece, entry_point) = search.piece();
-        let module = gpu.shader(piece, search.link(linker.clone().method(method))?)?;
+        let module = gpu.shader(&search.link(linker.clone().method(method))?)?;
         let groups = [&layouts.scene, &layouts.pass];
-        let trace = compute_pipeline(&gpu.device(), "trace", &groups, &module, entry_point);
+        let trace = compute_pipeline(&gpu.device(), Self::STEP, &groups, &module, entry_point);
         gpu.check(piece)?;
         let shade = search.is_pure().then(|| Shade::new(gpu, linker, layouts)).transpose()?;
         Ok(Self { trace, shade })
     }
 
+    /// The steps of a method, in their order.
+    #[cfg(test)]
+    pub(crate) fn steps(search: Search) -> Vec<&'static str> {
+        if search.is_pure() { vec![Self::STEP, Shade::STEP] } else { vec![Self::STEP] }
+    }
+
     pub(crate) fn record(&self, recording: &mut Recording<'_>, groups: &Groups<'_>) {
-        recording.for_each_pixel("trace", &self.trace, groups, None);
+        recording.for_each_pixel(Self::STEP, &self.trace, groups, None);
         if let Some(shade) = &self.shade {
             shade.record(recording, groups);
         }
@@ -133,9 +160,12 @@ impl RayPath {
 pub(crate) struct Shade(wgpu::ComputePipeline);
 
 impl Shade {
+    /// What the time of the pass is reported as.
+    pub(crate) const STEP: &str = "shade";
+
     pub(crate) fn new(gpu: &Gpu, linker: &Linker, layouts: &Layouts) -> Result<Self, GpuError> {
         let piece = "pass/shade";
-        let module = gpu.shader(piece, linker.link(piece)?)?;
+        let module = gpu.shader(&linker.link(piece)?)?;
         let pipeline =
             compute_pipeline(&gpu.device(), "shade", &[&layouts.scene, &layouts.pass], &module, "cs_shade");
         gpu.check(piece)?;
@@ -143,6 +173,6 @@ impl Shade {
     }
 
     pub(crate) fn record(&self, recording: &mut Recording<'_>, groups: &Groups<'_>) {
-        recording.for_each_pixel("shade", &self.0, groups, None);
+        recording.for_each_pixel(Self::STEP, &self.0, groups, None);
     }
 }

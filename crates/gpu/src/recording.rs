@@ -1,9 +1,6 @@
 //! A frame on its way to the device: what passes have in common when they are made and recorded.
 
-use crate::timing::Timer;
-
-/// Columns and rows of pixels of a workgroup; the entry points of shaders/pass have the same.
-pub(crate) const GROUP_SIDE: u32 = 8;
+use crate::{shader::numbers::GROUP_SIDE, timing::Timer};
 
 /// Groups 0 and 1, as passes bind them.
 #[derive(Clone, Copy, Debug)]
@@ -16,9 +13,9 @@ pub(crate) struct Groups<'a> {
 pub(crate) struct Recording<'a> {
     pub(crate) encoder: &'a mut wgpu::CommandEncoder,
     pub(crate) timer: &'a mut Timer,
-    /// Pixels.
+    /// Columns and rows of pixels.
     pub(crate) size: [u32; 2],
-    /// Of the scene.
+    /// How many triangles are drawn in a pass over all of them.
     pub(crate) triangle_count: u32,
 }
 

@@ -1,11 +1,11 @@
 //! Stochastic shadow maps (ST section 3.6) for both paths.
 //!
-//! Before all else of a frame a compute pass follows the ray of each texel of each light through all blockers, as the CPU does, with the
-//! same random masks: so the maps are the CPU's up to rounding, and neither a limit on samples nor the edges of triangles make a difference.
-//! Drawing from the light with multisampling, as the paper does, would be faster where the map is large, but has 4 or 8 samples at most and
-//! a projection for each face of each kind of light.
+//! Before all else of a frame a compute pass follows the ray of each texel of each light through all
+//! blockers, as the CPU does, with the same random masks: so the maps are the CPU's up to rounding, and
+//! neither a limit on samples nor the edges of triangles make a difference. Drawing from the light with
+//! multisampling, as the paper does, would be faster where the map is large, but has 4 or 8 samples at most
+//! and a projection for each face of each kind of light.
 
-use bytemuck::{Pod, Zeroable};
 use sheer_core::hash::pcg3d;
 use sheer_render::{
     Shadow,
@@ -18,14 +18,17 @@ use crate::{
     error::GpuError,
     frame::FrameParameters,
     layouts::Layouts,
-    recording::{GROUP_SIDE, Recording, compute_pipeline},
+    recording::{Recording, compute_pipeline},
     resource::{
         bind_group::{buffer_entry, group_of, layout, whole},
         buffer::{buffer, storage_limit},
     },
     shader::{
         Linker,
+        binding::{BIND_SHADOW_FACES, BIND_SHADOW_LIGHTS, BIND_SHADOW_MAP},
         constant::{self, Constant},
+        numbers::GROUP_SIDE,
+        record::shadow::{ShadowFace, ShadowLight},
     },
     stage::GpuStage,
 };
@@ -93,51 +96,26 @@ impl MapSettings {
     }
 }
 
-/// `ShadowFace` of shaders/shared/shadow_projection.wgsl.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-struct FaceRecord {
-    right: [f32; 3],
-    width: f32,
-    up: [f32; 3],
-    height: f32,
-    forward: [f32; 3],
-    is_central: u32,
-    origin: [f32; 3],
-    padding: u32,
-}
-
-impl From<&Face> for FaceRecord {
+impl From<&Face> for ShadowFace {
     fn from(face: &Face) -> Self {
         let ([width, height], is_central, origin) = match face.lens {
             Lens::Parallel { low, texel } => (texel.into(), 0, low),
             Lens::Central { eye, half_width } => ([half_width; 2], 1, eye),
         };
         Self {
-            right: face.axes.x_axis.into(),
+            right: face.axes.x_axis,
             width,
-            up: face.axes.y_axis.into(),
+            up: face.axes.y_axis,
             height,
-            forward: face.axes.z_axis.into(),
+            forward: face.axes.z_axis,
             is_central,
-            origin: origin.into(),
+            origin,
             padding: 0,
         }
     }
 }
 
-/// `ShadowLight` of shaders/shared/shadow_projection.wgsl.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-struct LightRecord {
-    first_face: u32,
-    face_count: u32,
-    side: u32,
-    first_texel: u32,
-    key: u32,
-}
-
-/// Of the maps of a frame.
+/// What it takes to make the maps of a frame.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct MapRays {
     /// How many rays make them.
@@ -177,7 +155,7 @@ impl ShadowMaps {
         let device = gpu.device();
         let layout = layout(&device, STEP, &Self::layout_entries(ShaderStages::COMPUTE, false));
         let piece = "pass/shadow_map";
-        let module = gpu.shader(piece, linker.link(piece)?)?;
+        let module = gpu.shader(&linker.link(piece)?)?;
         let groups = [&layouts.scene, &layout];
         let pipeline = compute_pipeline(&device, STEP, &groups, &module, "cs_shadow_map");
         // Shaders need something to bind before there is a light.
@@ -188,19 +166,23 @@ impl ShadowMaps {
         Ok(Self { settings, pipeline, layout, lights, faces, map, group, groups: [0; 3] })
     }
 
-    /// Of bindings 2 to 4 of group 1; the pass that makes the maps writes to them.
+    /// The maps' part of the layout of group 1; the pass that makes the maps writes to them.
     pub(crate) fn layout_entries(visibility: ShaderStages, reads_map: bool) -> [BindGroupLayoutEntry; 3] {
         let storage = |read_only| BufferBindingType::Storage { read_only };
         [
-            buffer_entry(2, visibility, storage(true)),
-            buffer_entry(3, visibility, storage(true)),
-            buffer_entry(4, visibility, storage(reads_map)),
+            buffer_entry(BIND_SHADOW_LIGHTS, visibility, storage(true)),
+            buffer_entry(BIND_SHADOW_FACES, visibility, storage(true)),
+            buffer_entry(BIND_SHADOW_MAP, visibility, storage(reads_map)),
         ]
     }
 
-    /// Bindings 2 to 4 of group 1.
+    /// The maps' part of group 1.
     pub(crate) fn entries(&self) -> [BindGroupEntry<'_>; 3] {
-        [whole(2, &self.lights), whole(3, &self.faces), whole(4, &self.map)]
+        [
+            whole(BIND_SHADOW_LIGHTS, &self.lights),
+            whole(BIND_SHADOW_FACES, &self.faces),
+            whole(BIND_SHADOW_MAP, &self.map),
+        ]
     }
 
     /// Looks at the lights of a frame and makes room for their maps.
@@ -213,6 +195,7 @@ impl ShadowMaps {
         stage: &GpuStage,
         parameters: &FrameParameters,
     ) -> Result<MapRays, GpuError> {
+        // Where each light's faces look, and where their texels lie.
         let frame = stage.frame();
         let (mut lights, mut faces, mut texels) = (Vec::new(), Vec::new(), 0_u64);
         self.groups = [0; 3];
@@ -223,13 +206,14 @@ impl ShadowMaps {
             let [key, ..] = pcg3d([parameters.index, parameters.seed, index]);
             let first_face = faces.len() as u32;
             // What is more than a word counts is more than a buffer holds: refused below.
-            lights.push(LightRecord { first_face, face_count, side, first_texel: texels as u32, key });
-            faces.extend(projection.faces().iter().map(FaceRecord::from));
+            lights.push(ShadowLight { first_face, face_count, side, first_texel: texels as u32, key });
+            faces.extend(projection.faces().iter().map(ShadowFace::from));
             texels += u64::from(face_count) * u64::from(side) * u64::from(side);
             let [columns, rows, count] = self.groups;
             let needed = [side, side * face_count].map(|length| length.div_ceil(GROUP_SIDE));
             self.groups = [columns.max(needed[0]), rows.max(needed[1]), count + 1];
         }
+        // Room for all of them, and what shaders need to know.
         let channels = if frame.tints_light() { 3 } else { 1 };
         let replaced =
             self.make_room(gpu, lights.len(), faces.len(), texels * self.settings.stride(channels))?;
@@ -261,8 +245,8 @@ impl ShadowMaps {
                 replaced = true;
             }
         };
-        grow(&mut self.lights, "shadow lights", (lights * size_of::<LightRecord>()) as u64);
-        grow(&mut self.faces, "shadow faces", (faces * size_of::<FaceRecord>()) as u64);
+        grow(&mut self.lights, "shadow lights", (lights * size_of::<ShadowLight>()) as u64);
+        grow(&mut self.faces, "shadow faces", (faces * size_of::<ShadowFace>()) as u64);
         grow(&mut self.map, "shadow map", needed);
         if replaced {
             self.group = own_group(&device, &self.layout, [&self.lights, &self.faces, &self.map]);
@@ -290,5 +274,10 @@ fn own_group(
     layout: &wgpu::BindGroupLayout,
     [lights, faces, map]: [&wgpu::Buffer; 3],
 ) -> wgpu::BindGroup {
-    group_of(device, STEP, layout, &[whole(2, lights), whole(3, faces), whole(4, map)])
+    group_of(
+        device,
+        STEP,
+        layout,
+        &[whole(BIND_SHADOW_LIGHTS, lights), whole(BIND_SHADOW_FACES, faces), whole(BIND_SHADOW_MAP, map)],
+    )
 }

@@ -1,4 +1,13 @@
 //! A scene at a time, on the device.
+//!
+//! The twin of the CPU's stage: the same animator moves the scene, and what has moved is sent. What never
+//! moves comes first in every list of a frame, is sent once and has its own part of the acceleration
+//! structure; all triangles are in world space, as the CPU has them, so that hits agree to the bit and a
+//! hundred thousand particles are no hundred thousand instances.
+//!
+//! Bind groups hold buffers, and a buffer that grows is another one: [`GpuStage::version`] tells pipelines
+//! when to bind anew. It counts over all stages of the process, so that a pipeline that turns to another
+//! stage notices that as well.
 
 use std::{
     sync::{
@@ -20,7 +29,7 @@ use crate::{
     scene::SceneBuffers,
 };
 
-/// How large everything is.
+/// How large a scene is at a moment, world units: bounds for depths and distances.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Extent {
     /// Ray origins are lifted off surfaces by this much, world units.
@@ -82,8 +91,8 @@ fn next_version() -> u64 {
     NEXT.fetch_add(1, Ordering::Relaxed)
 }
 
-/// A scene, seen through one of its cameras, at a time: the frame's geometry on the device and the acceleration structure over it. Several
-/// pipelines can render from one stage.
+/// A scene, seen through one of its cameras, at a time: the frame's geometry on the device and the
+/// acceleration structure over it. Several pipelines can render from one stage.
 #[derive(Debug)]
 pub struct GpuStage {
     gpu: Arc<Gpu>,
@@ -100,7 +109,8 @@ pub struct GpuStage {
 }
 
 impl GpuStage {
-    /// Prepares a scene at time zero. `threads`: how many to use for animation, all the processor's by default.
+    /// Prepares a scene at time zero. `threads`: how many to use for animation, all the processor's by
+    /// default.
     ///
     /// # Errors
     /// The scene has no such camera, is too large for the device, or the threads cannot be started.
@@ -139,7 +149,8 @@ impl GpuStage {
     /// Moves everything to a moment, uploads what has moved and rebuilds the acceleration structure over it.
     ///
     /// # Errors
-    /// What moves has grown beyond what the device holds, or the device is lost: [`GpuPipeline::render`](crate::GpuPipeline::render) takes a new one.
+    /// What moves has grown beyond what the device holds, or the device is lost:
+    /// [`GpuPipeline::render`](crate::GpuPipeline::render) takes a new one.
     pub fn advance(&mut self, moment: Moment) -> Result<(), GpuError> {
         let start = Instant::now();
         let Self { animator, pool, extent, .. } = self;
@@ -190,19 +201,19 @@ impl GpuStage {
         self.build_ms
     }
 
-    /// The geometry.
+    /// Everything of the scene at the moment that it was advanced to, on the CPU's side.
     #[must_use]
     pub fn frame(&self) -> &Frame {
         self.animator.frame()
     }
 
-    /// How many threads animate.
+    /// How many threads animate the scene and build acceleration structures.
     #[must_use]
     pub fn threads(&self) -> usize {
         self.pool.current_num_threads()
     }
 
-    /// The device.
+    /// The device that the scene lies on.
     #[must_use]
     pub fn gpu(&self) -> &Arc<Gpu> {
         &self.gpu
@@ -236,7 +247,7 @@ impl GpuStage {
         entries
     }
 
-    /// Bindings 1 to 13 and 15 to 16 of group 0.
+    /// The stage's part of group 0.
     pub(crate) fn entries(&self) -> Vec<wgpu::BindGroupEntry<'_>> {
         let mut entries = self.scene.entries().to_vec();
         entries.extend(self.accel.entries());

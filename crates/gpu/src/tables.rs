@@ -11,7 +11,8 @@ pub(crate) const TABLE_STD_MAPS: u32 = 0;
 /// First word of the blue noise, the bits of a float a word, row by row.
 pub(crate) const TABLE_BLUE_NOISE: u32 =
     TABLE_STD_MAPS + (threshold_map::MAP_COUNT * threshold_map::THRESHOLD_COUNT) as u32;
-/// First word of the linear values of all bytes, the bits of a float a word: 256 of linear bytes, then 256 of sRGB bytes.
+/// First word of the linear values of all bytes, the bits of a float a word: 256 of linear bytes, then 256 of
+/// sRGB bytes.
 pub(crate) const TABLE_DECODE: u32 = TABLE_BLUE_NOISE + BLUE_NOISE_SIDE * BLUE_NOISE_SIDE;
 /// First word of what not every shader needs: the tables of the method, then masks.
 const TABLE_REST: u32 = TABLE_DECODE + 512;
@@ -31,8 +32,8 @@ impl Tables {
     /// The most samples of a mask: on the GPU it is one word.
     pub(crate) const MOST_MASK_SAMPLES: u32 = u32::BITS;
 
-    /// What all shaders need; then the tables of a method, and of masks those of so many samples and, where these are drawn
-    /// in several rounds, of as many rounds; none for 0.
+    /// What all shaders need; then the tables of a method, and of masks those of so many samples and, where
+    /// these are drawn in several rounds, of as many rounds; none for 0.
     pub(crate) fn new(of_method: &[ShaderTable], [mask_samples, rounds]: [u32; 2]) -> Self {
         debug_assert!(
             mask_samples.max(rounds) <= Self::MOST_MASK_SAMPLES,
@@ -58,9 +59,9 @@ impl Tables {
         Self { words, mask_samples, masks, round_masks }
     }
 
-    /// Where the masks begin, and their samples; the offsets of the tables of all shaders are among all shaders' constants.
-    /// Without masks they are the same for all methods, whatever tables these have: so that a shader that shades is the same
-    /// text for all of them, which drivers compile once.
+    /// Where the masks begin, and their samples; the offsets of the tables of all shaders are among all
+    /// shaders' constants. Without masks they are the same for all methods, whatever tables these have: so
+    /// that a shader that shades is the same text for all of them, which drivers compile once.
     pub(crate) fn constants(&self) -> String {
         let [masks, round_masks] =
             if self.mask_samples > 0 { [self.masks, self.round_masks] } else { [TABLE_REST; 2] };

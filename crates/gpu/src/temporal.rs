@@ -1,6 +1,6 @@
-//! Adding frames up over time, on the device: twin of [`sheer_render::temporal`]. The history never leaves it until it is read back.
+//! Adding frames up over time, on the device: twin of [`sheer_render::temporal`]. The history never leaves it
+//! until it is read back.
 
-use bytemuck::{Pod, Zeroable};
 use sheer_render::{Antialiasing, contract::Alignment};
 use wgpu::{BufferBindingType, BufferUsages, ShaderStages};
 
@@ -8,12 +8,17 @@ use crate::{
     device::Gpu,
     error::GpuError,
     pixels::COLOUR_BYTES,
-    recording::{GROUP_SIDE, compute_pipeline},
+    recording::compute_pipeline,
     resource::{
         bind_group::{buffer_entry, group_of, layout, whole},
         buffer::{buffer, pixel_buffer},
     },
-    shader::Linker,
+    shader::{
+        Linker,
+        binding::{BIND_HISTORY, BIND_NEW_PIXELS, BIND_NEXT_HISTORY, BIND_TEMPORAL},
+        numbers::GROUP_SIDE,
+        record::temporal::TemporalUniform,
+    },
     timing::Timer,
 };
 
@@ -22,24 +27,11 @@ const PIECE: &str = "pass/resolve";
 /// What the time of adding up counts as.
 pub(crate) const STEP: &str = "temporal";
 
-/// The uniform of shaders/shared/temporal.wgsl.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-struct Uniform {
-    size: [u32; 2],
-    count: u32,
-    alignment_px: u32,
-    frame: u32,
-    seed: u32,
-    alignment_rule: u32,
-    padding: u32,
-}
-
 /// What has been added up. Two buffers take turns: the history that is read and the one that is written.
 #[derive(Debug)]
 pub(crate) struct History {
     size: [u32; 2],
-    /// How many frames were taken in.
+    /// How many frames it has taken in.
     count: u32,
     layout: wgpu::BindGroupLayout,
     pipeline: wgpu::ComputePipeline,
@@ -48,7 +40,7 @@ pub(crate) struct History {
 }
 
 impl History {
-    /// Empty.
+    /// A history of no frame, and the shader that takes frames in.
     ///
     /// # Errors
     /// The shader does not compile, or the picture is too large for a buffer.
@@ -61,23 +53,29 @@ impl History {
         let colour =
             || pixel_buffer(gpu, [width, height], "history", [COLOUR_BYTES, 0], BufferUsages::COPY_SRC);
         let colours = [colour()?, colour()?];
-        let uniform_bytes = size_of::<Uniform>() as u64;
+        let uniform_bytes = size_of::<TemporalUniform>() as u64;
         let uniform =
             buffer(&device, "temporal", uniform_bytes, BufferUsages::UNIFORM | BufferUsages::COPY_DST);
         let list = |binding, read_only| {
             buffer_entry(binding, ShaderStages::COMPUTE, BufferBindingType::Storage { read_only })
         };
-        let uniform_entry = buffer_entry(0, ShaderStages::COMPUTE, BufferBindingType::Uniform);
-        let entries = [uniform_entry, list(1, true), list(2, true), list(3, false)];
+        let uniform_entry = buffer_entry(BIND_TEMPORAL, ShaderStages::COMPUTE, BufferBindingType::Uniform);
+        let entries = [
+            uniform_entry,
+            list(BIND_NEW_PIXELS, true),
+            list(BIND_HISTORY, true),
+            list(BIND_NEXT_HISTORY, false),
+        ];
         let layout = layout(&device, "temporal", &entries);
-        let module = gpu.shader(PIECE, Linker::new().antialiasing(&antialiasing).link(PIECE)?)?;
+        let module = gpu.shader(&Linker::new().antialiasing(&antialiasing).link(PIECE)?)?;
         let pipeline = compute_pipeline(&device, "temporal", &[&layout], &module, "cs_resolve");
         gpu.check("the history")?;
         Ok(Self { size: [width, height], count: 0, layout, pipeline, uniform, colours })
     }
 
-    /// Records that the next frame is taken in. One frame a submission: its settings are written before it begins.
-    /// `alignment` as in [`sheer_render::Method::alignment`], then frame index and seed of the dithering.
+    /// Records that the next frame is taken in. One frame a submission: its settings are written before it
+    /// begins. `alignment` as in [`sheer_render::Method::alignment`], then frame index and seed of the
+    /// dithering.
     pub(crate) fn record(
         &mut self,
         device: &wgpu::Device,
@@ -90,16 +88,15 @@ impl History {
     ) {
         let count = self.count;
         let Alignment { side_px: alignment_px, rule } = alignment;
-        let alignment_rule = rule as u32;
-        let uniform =
-            Uniform { size: self.size, count, alignment_px, frame, seed, alignment_rule, padding: 0 };
+        let (size, alignment_rule) = (self.size.into(), rule as u32);
+        let uniform = TemporalUniform { size, count, alignment_px, frame, seed, alignment_rule, padding: 0 };
         queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&uniform));
         let [old, new] = if self.count.is_multiple_of(2) { [1, 0] } else { [0, 1] };
         let entries = [
-            whole(0, &self.uniform),
-            whole(1, pixels),
-            whole(2, &self.colours[old]),
-            whole(3, &self.colours[new]),
+            whole(BIND_TEMPORAL, &self.uniform),
+            whole(BIND_NEW_PIXELS, pixels),
+            whole(BIND_HISTORY, &self.colours[old]),
+            whole(BIND_NEXT_HISTORY, &self.colours[new]),
         ];
         let group = group_of(device, "temporal", &self.layout, &entries);
         let timestamp_writes = timer.compute_writes(STEP);
@@ -134,20 +131,19 @@ mod tests {
     use wgpu::util::DeviceExt as _;
 
     use super::*;
-    use crate::{
-        device::AdapterChoice,
-        pixels::{PixelRecord, read_planes},
-    };
+    use crate::{device::AdapterChoice, pixels::read_planes, shader::record::pixel::PixelRecord};
 
     /// No multiple of a workgroup's side.
     const SIZE: [u32; 2] = [37, 21];
     const SEED: u32 = 5;
-    /// The most that two results may differ: colours up to 1 go through sums of 49 terms of three products each, 49 · 2⁻²⁴ ≈ 3e-6, and
-    /// through a division by their standard deviation, which in noise is a third of the colours; devices divide and take roots with an error of
-    /// a few units in the last place. Each frame keeps nine tenths of the error of the one before: ten times that in the long run.
+    /// The most that two results may differ: colours up to 1 go through sums of 49 terms of three products
+    /// each, 49 · 2⁻²⁴ ≈ 3e-6, and through a division by their standard deviation, which in noise is a third
+    /// of the colours; devices divide and take roots with an error of a few units in the last place. Each
+    /// frame keeps nine tenths of the error of the one before: ten times that in the long run.
     const ROUNDING: f32 = 3e-5;
 
-    /// A frame of noise, opaque and transparent, that moves by fractions of a pixel, by whole ones, not at all, and out of the picture.
+    /// A frame of noise, opaque and transparent, that moves by fractions of a pixel, by whole ones, not at
+    /// all, and out of the picture.
     fn noise(random: &mut Pcg32) -> Planes {
         let mut planes = Planes::new(SIZE[0], SIZE[1]).unwrap();
         let mut pixel = |_, _| {
@@ -183,12 +179,12 @@ mod tests {
             let pixel = planes.pixel(x, y);
             PixelRecord {
                 colour: pixel.colour,
-                motion: pixel.motion,
+                motion: pixel.motion.into(),
                 depth: if pixel.depth.is_finite() { pixel.depth } else { 0.0 },
                 transparent: u32::from(pixel.transparent),
                 instance: pixel.instance,
                 primitive: pixel.primitive,
-                padding: [0; 2],
+                padding: glam::UVec2::ZERO,
             }
         };
         positions.map(record).collect()

@@ -1,8 +1,8 @@
 //! What each pass of a frame takes, by the device's own clock.
 //!
 //! Timestamps are written at the ends of passes, which every device with `TIMESTAMP_QUERY` allows; neither
-//! `TIMESTAMP_QUERY_INSIDE_ENCODERS` nor `TIMESTAMP_QUERY_INSIDE_PASSES`, which mobile and tiled devices lack, is needed. A device
-//! without any timestamps gives no times.
+//! `TIMESTAMP_QUERY_INSIDE_ENCODERS` nor `TIMESTAMP_QUERY_INSIDE_PASSES`, which mobile and tiled devices
+//! lack, is needed. A device without any timestamps gives no times.
 
 use sheer_render::StepTime;
 use wgpu::{
@@ -13,7 +13,8 @@ use wgpu::{
 /// Bytes of a timestamp in a buffer.
 const TIMESTAMP_BYTES: u64 = size_of::<u64>() as u64;
 
-/// Times the passes of one frame after the other: hands timestamps to passes while a frame is recorded, then reads them all at once.
+/// Times the passes of one frame after the other: hands timestamps to passes while a frame is recorded, then
+/// reads them all at once.
 #[derive(Debug)]
 pub(crate) struct Timer {
     clock: Option<Clock>,
@@ -76,7 +77,7 @@ impl Timer {
         })
     }
 
-    /// The same for a render pass.
+    /// What a render pass is begun with, to count as step `name`.
     pub(crate) fn render_writes(&mut self, name: &'static str) -> Option<RenderPassTimestampWrites<'_>> {
         let (queries, first) = self.next(name)?;
         Some(RenderPassTimestampWrites {
@@ -114,8 +115,8 @@ impl Timer {
         encoder.copy_buffer_to_buffer(&clock.resolved, 0, &clock.read, 0, bytes);
     }
 
-    /// Times of the steps of the last frame that was resolved and submitted, in order; waits for the device if it is not done. None where
-    /// the device has no clock or is lost.
+    /// Times of the steps of the last frame that was resolved and submitted, in order; waits for the device
+    /// if it is not done. None where the device has no clock or is lost.
     pub(crate) fn read(&mut self, device: &Device) -> Vec<StepTime> {
         let Some(clock) = &self.clock else { return Vec::new() };
         if self.resolved == 0 {
@@ -156,7 +157,10 @@ mod tests {
     use std::time::Instant;
 
     use super::*;
-    use crate::device::{AdapterChoice, Gpu};
+    use crate::{
+        device::{AdapterChoice, Gpu},
+        shader::Linker,
+    };
 
     #[test]
     fn passes_of_one_name_are_one_step_in_the_place_of_the_first() {
@@ -174,10 +178,12 @@ mod tests {
             data[id.x + 1u] = value;
         }";
 
-    /// Runs the shader once for each number of rounds and gives the steps' times, with those by our clock around all.
+    /// Runs the shader once for each number of rounds and gives the steps' times, with those by our clock
+    /// around all.
     fn time(gpu: &Gpu, timer: &mut Timer, rounds: &[(&'static str, u32)]) -> (Vec<StepTime>, f64) {
         let (device, queue) = (gpu.device(), gpu.queue());
-        let module = gpu.shader("work", WORK.to_owned()).unwrap();
+        let module =
+            gpu.shader(&Linker::of_pieces(&[("work", WORK)], String::new()).link("work").unwrap()).unwrap();
         let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
             label: None,
             layout: None,

@@ -4,6 +4,15 @@ use std::f32::consts::PI;
 
 use glam::Vec3;
 
+/// How far a reflection of roughness 1 pulls the height of the gradient towards the horizon, as a share. By
+/// eye.
+pub const HORIZON_BLUR: f32 = 0.6;
+/// Squares of roughness below count as this one, so that a mirror's lobe is finite.
+pub const LEAST_WIDTH: f32 = 1e-3;
+/// How many times faster the gradient reaches the ground's colour below the horizon than the zenith's above.
+/// By eye.
+pub const GROUND_STEEPNESS: f32 = 3.0;
+
 /// A vertical gradient plus soft lobes, all linear radiance.
 #[derive(Clone, Debug)]
 pub struct Environment {
@@ -68,11 +77,11 @@ impl Environment {
     #[must_use]
     pub fn radiance(&self, direction: Vec3, roughness: f32) -> Vec3 {
         // The gradient is smooth: blurring it pulls the height towards the horizon's mix.
-        let blur = 1.0 - 0.6 * roughness * roughness;
+        let blur = 1.0 - HORIZON_BLUR * roughness * roughness;
         let mut sum = self.gradient(direction.y * blur);
         // A rough reflection is itself a spherical Gaussian; the product's width adds as 1/sharpness (Wang et
         // al. 2009, section 3.2).
-        let alpha = (roughness * roughness).max(1e-3);
+        let alpha = (roughness * roughness).max(LEAST_WIDTH);
         let view_sharpness = 2.0 / (alpha * alpha) / 4.0;
         for lobe in &self.lobes {
             let sharpness = lobe.sharpness * view_sharpness / (lobe.sharpness + view_sharpness);
@@ -104,7 +113,7 @@ impl Environment {
         if height >= 0.0 {
             self.horizon.lerp(self.zenith, height.min(1.0).sqrt())
         } else {
-            self.horizon.lerp(self.ground, (-height * 3.0).min(1.0).sqrt())
+            self.horizon.lerp(self.ground, (-height * GROUND_STEEPNESS).min(1.0).sqrt())
         }
     }
 }

@@ -1,8 +1,9 @@
 // Adaptive transparency (Salvi, Montgomery and Lefohn 2011): twin of crates/render/src/method/adaptive.rs.
 //
-// The paper changes a pixel's steps as its fragments are drawn, which takes ordered access to memory from fragment shaders. There is none
-// here: fragments go to a list a pixel first, and are taken from it in the order of their triangles, which is the order that such access
-// keeps. The picture is the paper's; the list's memory comes on top.
+// The paper changes a pixel's steps as its fragments are drawn, which takes ordered access to memory from
+// fragment shaders. There is none here: fragments go to a list a pixel first, and are taken from it in the
+// order of their triangles, which is the order that such access keeps. The picture is the paper's; the list's
+// memory comes on top.
 #import shared/chunks
 #import shared/composited
 #import shared/counters

@@ -1,4 +1,5 @@
-// DTAA with its thresholds permuted for each object: twin of sheer_render's method/dtaa_unique.rs (STD sections 2.2 and 4).
+// DTAA with its thresholds permuted for each object: twin of sheer_render's method/dtaa_unique.rs (STD
+// sections 2.2 and 4).
 #import shared/dtaa_map
 #import shared/object_draw
 #import shared/object_noise

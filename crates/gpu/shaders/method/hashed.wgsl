@@ -39,7 +39,8 @@ fn draw_of_cell(site: Site, object: u32, octave: i32) -> f32 {
 }
 
 fn blend(site: Site) -> Blend {
-    // Cells in an object unit, as an octave. Bounded before the logarithm, too, as a shader may make anything of those of 0 and infinity.
+    // Cells in an object unit, as an octave. Bounded before the logarithm, too, as a shader may make anything
+    // of those of 0 and infinity.
     let footprint = clamp(site.footprint_in_object * P_SCALE, exp2(-MAX_LEVEL), exp2(MAX_LEVEL));
     let level = clamp(-log2(footprint), -MAX_LEVEL, MAX_LEVEL);
     let larger = floor(level);

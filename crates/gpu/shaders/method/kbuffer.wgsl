@@ -1,22 +1,24 @@
 // The k-buffer: the k nearest fragments of a pixel in order, and all others merged behind them.
 //
-// Bavoil et al. 2007 insert a fragment into sorted slots as it is drawn and blend the nearest into the picture where all are taken: twin of
-// that is crates/render/src/method/kbuffer.rs. It takes ordered access to memory from fragment shaders, which there is not here, and a lock
-// may hang. So a first pass makes a chain of atomic maxima over depths (Liu et al. 2010, FreePipe, section 4.2): each slot keeps the nearer
-// of two and hands the further one on. Which fragments stay does not depend on the order: those that are nearest. A second pass lets each
-// fragment find the slot that its depth has won. Up to k fragments the picture is the CPU's. Of more, the k nearest are exact and the others
-// come behind them as a mean by alpha; there, what arrives too late is blended behind what it should hide.
+// Bavoil et al. 2007 insert a fragment into sorted slots as it is drawn and blend the nearest into the
+// picture where all are taken: twin of that is crates/render/src/method/kbuffer.rs. It takes ordered access
+// to memory from fragment shaders, which there is not here, and a lock may hang. So a first pass makes a
+// chain of atomic maxima over depths (Liu et al. 2010, FreePipe, section 4.2): each slot keeps the nearer of
+// two and hands the further one on. Which fragments stay does not depend on the order: those that are
+// nearest. A second pass lets each fragment find the slot that its depth has won. Up to k fragments the
+// picture is the CPU's. Of more, the k nearest are exact and the others come behind them as a mean by alpha;
+// there, what arrives too late is blended behind what it should hide.
 #import shared/composited
 #import shared/counters
 #import shared/drawn
 #import shared/shade
 #import shared/tail_targets
 
-// P_K slots a pixel, nearest first: complements of the bits of depths. Those of positive numbers are ordered as the numbers are, and 0, what
-// a cleared buffer holds, is further than all of them.
-@group(2) @binding(1) var<storage, read_write> kept_depths: array<atomic<u32>>;
+// P_K slots a pixel, nearest first: complements of the bits of depths. Those of positive numbers are ordered
+// as the numbers are, and 0, what a cleared buffer holds, is further than all of them.
+@group(GROUP_OWN) @binding(1) var<storage, read_write> kept_depths: array<atomic<u32>>;
 // Complements of the triangles in these slots.
-@group(2) @binding(2) var<storage, read_write> kept_triangles: array<atomic<u32>>;
+@group(GROUP_OWN) @binding(2) var<storage, read_write> kept_triangles: array<atomic<u32>>;
 
 fn first_slot(pixel: vec2u) -> u32 {
     return P_K * (pixel.y * frame.size.x + pixel.x);
@@ -39,8 +41,9 @@ fn fs_keep(vertex: TriangleVertex) -> Tail {
     return Tail(vec4f(0.0), 1.0);
 }
 
-// Puts a triangle into the slot of its depth. Fragments of one depth have neighbouring slots, which are a chain of their own, by triangle.
-// Gives the complement of the triangle that has no slot, which may be another one than this; 0 if all have one.
+// Puts a triangle into the slot of its depth. Fragments of one depth have neighbouring slots, which are a
+// chain of their own, by triangle. Gives the complement of the triangle that has no slot, which may be
+// another one than this; 0 if all have one.
 fn claim(pixel: vec2u, fragment: Fragment) -> u32 {
     let first = first_slot(pixel);
     let key = ~bitcast<u32>(fragment.depth);

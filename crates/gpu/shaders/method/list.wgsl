@@ -1,5 +1,5 @@
-// The A-buffer (Carpenter 1984): twin of crates/render/src/method/list.rs for one sample a pixel. Fragments that the pool has no node
-// for are one more fragment behind all others.
+// The A-buffer (Carpenter 1984): twin of crates/render/src/method/list.rs for one sample a pixel. Fragments
+// that the pool has no node for are one more fragment behind all others.
 #import shared/chunks
 #import shared/composited
 #import shared/counters

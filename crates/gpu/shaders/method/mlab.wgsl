@@ -1,8 +1,10 @@
-// Multi-layer alpha blending (Salvi and Vaidyanathan 2014, section 3): twin of crates/render/src/method/mlab.rs.
+// Multi-layer alpha blending (Salvi and Vaidyanathan 2014, section 3): twin of
+// crates/render/src/method/mlab.rs.
 //
-// The paper changes a pixel's layers as its fragments are drawn, which takes ordered access to memory from fragment shaders. There is none
-// here: fragments go to a list a pixel first, and are taken from it in the order of their triangles, which is the order that such access
-// keeps. The picture is the paper's; the list's memory comes on top.
+// The paper changes a pixel's layers as its fragments are drawn, which takes ordered access to memory from
+// fragment shaders. There is none here: fragments go to a list a pixel first, and are taken from it in the
+// order of their triangles, which is the order that such access keeps. The picture is the paper's; the list's
+// memory comes on top.
 #import shared/chunks
 #import shared/composited
 #import shared/counters

@@ -1,24 +1,19 @@
-// Moment-based transparency (Münstermann, Krumpen, Klein and Peters 2018): twin of crates/render/src/method/moments.rs. What the CPU solves in
-// 64 bits is solved in 32 here, as by the paper.
+// Moment-based transparency (Münstermann, Krumpen, Klein and Peters 2018): twin of
+// crates/render/src/method/moments.rs. What the CPU solves in 64 bits is solved in 32 here, as by the paper.
 #import shared/composited
 #import shared/counters
 #import shared/drawn
 #import shared/hamburger
 #import shared/shade
 
-// The zeroth moment.
-@group(2) @binding(1) var absorbances: texture_2d<f32>;
+// The zeroth moment of a pixel: the sum of the absorbances of its fragments.
+@group(GROUP_OWN) @binding(1) var absorbances: texture_2d<f32>;
 // The first to fourth, each times the absorbance.
-@group(2) @binding(2) var moments: texture_2d<f32>;
+@group(GROUP_OWN) @binding(2) var moments: texture_2d<f32>;
 // The fifth and so on; not read at order 4.
-@group(2) @binding(3) var further_moments: texture_2d<f32>;
+@group(GROUP_OWN) @binding(3) var further_moments: texture_2d<f32>;
 // Radiance by weight, and weights.
-@group(2) @binding(4) var blended_sums: texture_2d<f32>;
-
-// Relative spacing of 32-bit floats.
-const EPSILON: f32 = 1.1920929e-7;
-// The least 32-bit float with all its digits: keeps divisors away from zero.
-const LEAST_WEIGHT: f32 = 1.17549435e-38;
+@group(GROUP_OWN) @binding(4) var blended_sums: texture_2d<f32>;
 
 // All are added up.
 struct MomentSums {
@@ -46,7 +41,8 @@ fn alpha_of_absorbance(absorbance: f32) -> f32 {
     return absorbance * (1.0 - absorbance * (0.5 - absorbance * (1.0 / 6.0 - absorbance * tail)));
 }
 
-// The logarithm of depth from -1 at the nearest to 1 at the furthest: layers are fragment_stats apart by the ratio of their depths.
+// The logarithm of depth from -1 at the nearest to 1 at the furthest: layers are fragment_stats apart by the
+// ratio of their depths.
 fn warped(depth: f32) -> f32 {
     let near = log(frame.depth_near);
     let share = (log(depth) - near) / max(log(frame.depth_far) - near, EPSILON);
@@ -67,8 +63,8 @@ fn fs_moments(vertex: TriangleVertex) -> MomentSums {
     return MomentSums(absorbance, absorbance * powers, absorbance * powers.w * powers);
 }
 
-// The moments a unit of absorbance, moved towards those of a distribution that is well inside the valid ones, so that rounding takes none
-// outside.
+// The moments a unit of absorbance, moved towards those of a distribution that is well inside the valid ones,
+// so that rounding takes none outside.
 fn biased(pixel: vec2u, absorbance: f32) -> array<f32, 2u * DEGREE + 1u> {
     let low = textureLoad(moments, pixel, 0) / absorbance;
     let high = textureLoad(further_moments, pixel, 0) / absorbance;
@@ -112,6 +108,6 @@ fn composited(pixel: vec2u, ray: CameraRay) -> Composited {
     counted.merged -= 1u;
     let sums = textureLoad(blended_sums, pixel, 0);
     // Scaled so that what is seen of all fragments and of the background adds up to one.
-    let scale = alpha_of_absorbance(absorbance) / max(sums.w, LEAST_WEIGHT);
+    let scale = alpha_of_absorbance(absorbance) / max(sums.w, LEAST_NORMAL);
     return Composited(sums.xyz * scale, exp(-absorbance), true, false, Hit());
 }

@@ -1,5 +1,6 @@
-// Depth peeling (Mammen 1989, Everitt 2001): twin of crates/render/src/method/peel.rs. A pass finds the triangle of each pixel's next layer, as
-// a visibility buffer does; then that layer alone is shaded, where the CPU shades, as Everitt's, whatever passes both depth tests.
+// Depth peeling (Mammen 1989, Everitt 2001): twin of crates/render/src/method/peel.rs. A pass finds the
+// triangle of each pixel's next layer, as a visibility buffer does; then that layer alone is shaded, where
+// the CPU shades, as Everitt's, whatever passes both depth tests.
 #import shared/composited
 #import shared/counters
 #import shared/drawn
@@ -7,9 +8,9 @@
 #import shared/shade
 
 // The layer of the pass before, or of this one: bits of its depth, and its triangle; NONE if there was none.
-@group(2) @binding(1) var layer_keys: texture_2d<u32>;
+@group(GROUP_OWN) @binding(1) var layer_keys: texture_2d<u32>;
 // Light of all layers so far and their alpha, four floats a pixel.
-@group(2) @binding(2) var<storage, read_write> peeled: array<vec4f>;
+@group(GROUP_OWN) @binding(2) var<storage, read_write> peeled: array<vec4f>;
 
 struct Peeled {
     @location(0) key: vec2u,
@@ -49,7 +50,7 @@ fn fs_next(vertex: TriangleVertex) -> Peeled {
 }
 
 // Blends a layer behind those before.
-@compute @workgroup_size(8, 8)
+@compute @workgroup_size(GROUP_SIDE, GROUP_SIDE)
 fn cs_blend(@builtin(global_invocation_id) id: vec3u) {
     if any(id.xy >= frame.size) {
         return;

@@ -1,4 +1,5 @@
-// Spatio-temporal blue noise: twin of sheer_render's method/stbn.rs and sheer_core::spatio_temporal (Wolfe et al. 2022; STD section 7.2).
+// Spatio-temporal blue noise: twin of sheer_render's method/stbn.rs and sheer_core::spatio_temporal (Wolfe et
+// al. 2022; STD section 7.2).
 #import shared/object_draw
 #import shared/site
 #import shared/tables

@@ -1,6 +1,7 @@
 // Which samples a fragment covers by chance: twin of crates/render/src/method/stochastic/masks.rs.
 //
-// The method's samples come in ROUND_COUNT rounds of MASK_SAMPLES each, as many as a pixel of the targets has.
+// The method's samples come in ROUND_COUNT rounds of MASK_SAMPLES each, as many as a pixel of the targets
+// has.
 #import shared/frame
 #import shared/hash
 #import shared/mask

@@ -1,23 +1,18 @@
-// Weighted blended transparency (McGuire and Bavoil 2013): twin of crates/render/src/method/weighted.rs, with the sums in 16-bit floats that
-// the paper asks of the blending units.
+// Weighted blended transparency (McGuire and Bavoil 2013): twin of crates/render/src/method/weighted.rs, with
+// the sums in 16-bit floats that the paper asks of the blending units.
 #import shared/composited
 #import shared/counters
 #import shared/drawn
 #import shared/shade
 
 // Weighted radiance, and weights.
-@group(2) @binding(1) var weighted_sums: texture_2d<f32>;
-@group(2) @binding(2) var weighted_transmittance: texture_2d<f32>;
-
-// The largest 16-bit float.
-const LARGEST_HALF: f32 = 65504.0;
-// Relative spacing of 32-bit floats.
-const EPSILON: f32 = 1.1920929e-7;
+@group(GROUP_OWN) @binding(1) var weighted_sums: texture_2d<f32>;
+@group(GROUP_OWN) @binding(2) var weighted_transmittance: texture_2d<f32>;
 
 struct Weighted {
-    // Added up.
+    // Radiance times its weight, and the weight; the target adds them up.
     @location(0) rgb_weighted: vec4f,
-    // Multiplied up.
+    // What is seen through a fragment; the target multiplies them up.
     @location(1) transmittance: f32,
 }
 

@@ -1,14 +1,14 @@
-// Puts every transparent fragment that nothing opaque hides into its pixel's list. Those that find the pool full are summed up by the blending
-// units: the tail.
+// Puts every transparent fragment that nothing opaque hides into its pixel's list. Those that find the pool
+// full are summed up by the blending units: the tail.
 #import shared/counters
-#import shared/list
 #import shared/opaque
 #import shared/shade
 #import shared/tail_targets
+#import struct/ListNode
 
 // First node of each pixel, counted from 1; after the last pixel, how many nodes were asked for.
-@group(2) @binding(1) var<storage, read_write> list_heads: array<atomic<u32>>;
-@group(2) @binding(2) var<storage, read_write> list_nodes: array<ListNode>;
+@group(GROUP_OWN) @binding(BIND_LIST_HEADS) var<storage, read_write> list_heads: array<atomic<u32>>;
+@group(GROUP_OWN) @binding(BIND_LIST_NODES) var<storage, read_write> list_nodes: array<ListNode>;
 
 @fragment
 fn fs_capture(vertex: TriangleVertex) -> Tail {

@@ -1,9 +1,9 @@
-// Puts what is opaque, or the background, behind the light that pass/front.wgsl has left in each pixel with, in place of a primitive, its
-// furthest fragment's triangle: twin of `Tracer::behind`.
+// Puts what is opaque, or the background, behind the light that pass/front.wgsl has left in each pixel with,
+// in place of a primitive, its furthest fragment's triangle: twin of `Tracer::behind`.
 #import shared/opaque
 #import shared/resolve_pixel
 
-@compute @workgroup_size(8, 8)
+@compute @workgroup_size(GROUP_SIDE, GROUP_SIDE)
 fn cs_composite(@builtin(global_invocation_id) id: vec3u) {
     if any(id.xy >= frame.size) {
         return;
@@ -17,8 +17,8 @@ fn cs_composite(@builtin(global_invocation_id) id: vec3u) {
     if shows_background {
         colour = over(colour, seen(ray, surface.found, surface.hit, pixel_at));
     }
-    // Where nothing is seen of the background the furthest fragment stands for the pixel. Methods that keep sums alone do not know which that
-    // is: theirs is the surface behind all the same.
+    // Where nothing is seen of the background the furthest fragment stands for the pixel. Methods that keep
+    // sums alone do not know which that is: theirs is the surface behind all the same.
     var last = surface;
     if !shows_background && front.primitive != NONE {
         last = OpaqueSurface(true, fragment_hit(pixel_at, front.primitive));

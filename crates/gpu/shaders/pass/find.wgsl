@@ -1,10 +1,11 @@
-// One shaded fragment a pixel: which one it is, by the method. pass/shade.wgsl does the rest. Twin of `Tracer::stochastic` without a hybrid.
+// One shaded fragment a pixel: which one it is, by the method. pass/shade.wgsl does the rest. Twin of
+// `Tracer::stochastic` without a hybrid.
 #import find
 #import shared/camera
 #import shared/counters
 #import shared/found
 
-@compute @workgroup_size(8, 8)
+@compute @workgroup_size(GROUP_SIDE, GROUP_SIDE)
 fn cs_find(@builtin(global_invocation_id) id: vec3u) {
     if any(id.xy >= frame.size) {
         return;

@@ -1,11 +1,12 @@
-// What a method makes of the transparent fragments of a pixel, for pass/composite.wgsl: two passes, since software drivers compile each place that
-// shades anew, for seconds, and this one differs from method to method.
+// What a method makes of the transparent fragments of a pixel, for pass/composite.wgsl: two passes, since
+// software drivers compile each place that shades anew, for seconds, and this one differs from method to
+// method.
 #import method
 #import shared/composited
 #import shared/counters
 #import shared/drawn
 
-@compute @workgroup_size(8, 8)
+@compute @workgroup_size(GROUP_SIDE, GROUP_SIDE)
 fn cs_front(@builtin(global_invocation_id) id: vec3u) {
     if any(id.xy >= frame.size) {
         return;

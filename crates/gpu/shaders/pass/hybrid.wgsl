@@ -1,5 +1,6 @@
-// The nearest fragments exactly as far as the method wants them, then what its stochastic ray finds (STD section 3.4). Twin of
-// `Tracer::hybrid` and, where nothing is left to chance, of `Tracer::composite_in_order`.
+// The nearest fragments exactly as far as the method wants them, then what its stochastic ray finds (STD
+// section 3.4). Twin of `Tracer::hybrid` and, where nothing is left to chance, of
+// `Tracer::composite_in_order`.
 #import find
 #import shared/gather
 #import shared/resolve_pixel
@@ -12,7 +13,8 @@ var<private> visibility_left: f32;
 var<private> last: Hit;
 var<private> any_transparent: bool;
 
-// The fragment that stands for all that the exact ones leave, as the only layer; none if there is nothing to stand for.
+// The fragment that stands for all that the exact ones leave, as the only layer; none if there is nothing to
+// stand for.
 fn gather_rest(pixel: vec2u, ray: CameraRay) -> Found {
     layer_count = 0u;
     let rest = find(pixel, ray, true, last);
@@ -45,7 +47,8 @@ fn trace_hybrid(pixel: vec2u, ray: CameraRay) {
     begin_gathering(false, Hit());
     gather_share = share;
     gather_most = frame.hybrid_layers;
-    // Rounds of exact fragments, then one for what stands for the rest: in one loop, so that there is one place that shades.
+    // Rounds of exact fragments, then one for what stands for the rest: in one loop, so that there is one
+    // place that shades.
     var is_exact = true;
     var shows_surface = false;
     var behind = vec4f(0.0);
@@ -78,7 +81,7 @@ fn trace_hybrid(pixel: vec2u, ray: CameraRay) {
     write_pixel(pixel, colour, ray, shows_surface, last, any_transparent);
 }
 
-@compute @workgroup_size(8, 8)
+@compute @workgroup_size(GROUP_SIDE, GROUP_SIDE)
 fn cs_trace(@builtin(global_invocation_id) id: vec3u) {
     if any(id.xy >= frame.size) {
         return;

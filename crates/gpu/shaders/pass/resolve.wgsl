@@ -2,7 +2,7 @@
 #import shared/temporal
 #import technique
 
-@compute @workgroup_size(8, 8)
+@compute @workgroup_size(GROUP_SIDE, GROUP_SIDE)
 fn cs_resolve(@builtin(global_invocation_id) id: vec3u) {
     if any(id.xy >= temporal.size) {
         return;

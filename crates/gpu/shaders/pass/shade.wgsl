@@ -1,7 +1,8 @@
-// Shades what pass/find.wgsl has found, the background where that is nothing: one shader for all methods of one shaded fragment.
+// Shades what pass/find.wgsl has found, the background where that is nothing: one shader for all methods of
+// one shaded fragment.
 #import shared/resolve_pixel
 
-@compute @workgroup_size(8, 8)
+@compute @workgroup_size(GROUP_SIDE, GROUP_SIDE)
 fn cs_shade(@builtin(global_invocation_id) id: vec3u) {
     if any(id.xy >= frame.size) {
         return;

@@ -1,5 +1,6 @@
-// Stochastic shadow maps (ST sections 3.2 and 3.6): each texel keeps, sample by sample, the first blocker on its ray that chance leaves. Twin
-// of `StochasticMap::draw`, of `Blockers::find` and of the masks in crates/render/src/shadow/mask.rs.
+// Stochastic shadow maps (ST sections 3.2 and 3.6): each texel keeps, sample by sample, the first blocker on
+// its ray that chance leaves. Twin of `StochasticMap::draw`, of `Blockers::find` and of the masks in
+// crates/render/src/shadow/mask.rs.
 #import shared/pcg32
 #import shared/scene
 #import shared/shadow_projection
@@ -8,9 +9,10 @@
 #expand traverse VISITOR=first_opaque
 #expand traverse VISITOR=blocker
 
-@group(1) @binding(4) var<storage, read_write> shadow_map: array<f32>;
+@group(GROUP_PASS) @binding(BIND_SHADOW_MAP) var<storage, read_write> shadow_map: array<f32>;
 
-// Of the texel that is being made: its number within the light's map, the light's key, where its numbers begin.
+// Of the texel that is being made: its number within the light's map, the light's key, where its numbers
+// begin.
 var<private> texel_number: u32;
 var<private> texel_key: u32;
 var<private> texel_first: u32;
@@ -38,7 +40,8 @@ fn visit_blocker(hit: Hit) -> u32 {
     last_blocker = select(max(last_blocker, hit.t), hit.t, last_blocker == FAR_AWAY);
     let random = pcg4d(vec4u(texel_number, hit.triangle, texel_key, 0u));
     for (var channel = 0u; channel < shadow_channels(); channel += 1u) {
-        // What a channel loses is its chance: the coverage times one less the tint (McGuire and Enderton). One seed for all channels.
+        // What a channel loses is its chance: the coverage times one less the tint (McGuire and Enderton).
+        // One seed for all channels.
         cover(texel_first + channel * SHADOW_SAMPLES, 1.0 - through[channel], random.yx, hit.t);
     }
     return GO_ON;
@@ -93,7 +96,7 @@ fn write_correction() {
     }
 }
 
-@compute @workgroup_size(8, 8)
+@compute @workgroup_size(GROUP_SIDE, GROUP_SIDE)
 fn cs_shadow_map(@builtin(global_invocation_id) id: vec3u) {
     let light = id.z;
     let side = shadow_lights[light].side;

@@ -1,14 +1,11 @@
-// Stochastic transparency (ST sections 3.1 to 3.5) on targets of several samples a pixel: all transparent fragments are drawn for the total
-// alpha, then twice a round; pass/stochastic_accumulate.wgsl is the second time. Twin of the steps in
-// crates/render/src/method/stochastic/mod.rs.
+// Stochastic transparency (ST sections 3.1 to 3.5) on targets of several samples a pixel: all transparent
+// fragments are drawn for the total alpha, then twice a round; pass/stochastic_accumulate.wgsl is the second
+// time. Twin of the steps in crates/render/src/method/stochastic/mod.rs.
 #import method
 #import shared/transparent
+#import struct/Round
 
-struct Round {
-    index: u32,
-}
-
-@group(2) @binding(1) var<uniform> round: Round;
+@group(GROUP_OWN) @binding(BIND_ROUND) var<uniform> round: Round;
 
 fn mask_in_round(pixel: vec2u, fragment: TransparentFragment) -> u32 {
     let hit = fragment.hit;

@@ -1,8 +1,9 @@
-// Colours weighted by visibility, once a round. By itself, since it is the same shader for all parameters of the method.
+// Colours weighted by visibility, once a round. By itself, since it is the same shader for all parameters of
+// the method.
 #import shared/transparent
 
 // What fs_depth has drawn in this round.
-@group(2) @binding(3) var depth_map: texture_depth_multisampled_2d;
+@group(GROUP_OWN) @binding(BIND_DEPTH_MAP) var depth_map: texture_depth_multisampled_2d;
 
 struct Accumulated {
     @location(0) sums: vec4f,

@@ -2,7 +2,7 @@
 #import probe/io
 #import shared/camera
 
-@compute @workgroup_size(64)
+@compute @workgroup_size(PROBE_GROUP)
 fn cs_probe(@builtin(global_invocation_id) id: vec3u) {
     let at = id.x * 2u;
     let ray = camera_ray(bitcast<vec2f>(vec2u(probe_in[at], probe_in[at + 1u])));

@@ -2,7 +2,7 @@
 #import probe/io
 #import shared/decide
 
-@compute @workgroup_size(64)
+@compute @workgroup_size(PROBE_GROUP)
 fn cs_probe(@builtin(global_invocation_id) id: vec3u) {
     let alpha = bitcast<f32>(probe_in[id.x * 2u]);
     let threshold = bitcast<f32>(probe_in[id.x * 2u + 1u]);

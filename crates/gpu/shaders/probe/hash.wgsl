@@ -1,8 +1,9 @@
-// 4 words in, 14 out: every hash of them, the bits of a unit number, a high half of a product, a rotation and a McGuire hash.
+// 4 words in, 14 out: every hash of them, the bits of a unit number, a high half of a product, a rotation and
+// a McGuire hash.
 #import probe/io
 #import shared/hash
 
-@compute @workgroup_size(64)
+@compute @workgroup_size(PROBE_GROUP)
 fn cs_probe(@builtin(global_invocation_id) id: vec3u) {
     let at = id.x * 4u;
     let v = vec4u(probe_in[at], probe_in[at + 1u], probe_in[at + 2u], probe_in[at + 3u]);

@@ -2,7 +2,7 @@
 #import probe/io
 #import shared/mask
 
-@compute @workgroup_size(64)
+@compute @workgroup_size(PROBE_GROUP)
 fn cs_probe(@builtin(global_invocation_id) id: vec3u) {
     let at = id.x * 4u;
     let v = vec4u(probe_in[at], probe_in[at + 1u], probe_in[at + 2u], probe_in[at + 3u]);

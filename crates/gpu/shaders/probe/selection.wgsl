@@ -2,7 +2,7 @@
 #import method
 #import probe/io
 
-@compute @workgroup_size(64)
+@compute @workgroup_size(PROBE_GROUP)
 fn cs_probe(@builtin(global_invocation_id) id: vec3u) {
     let at = id.x * 4u;
     let pixel = vec2u(probe_in[at], probe_in[at + 1u]);

@@ -9,10 +9,8 @@ struct Query {
     counter_clockwise: u32,
 }
 
-const ANSWER_LENGTH: u32 = 36u;
-
-@group(1) @binding(0) var<storage, read> queries: array<Query>;
-@group(1) @binding(1) var<storage, read_write> answers: array<f32>;
+@group(GROUP_PASS) @binding(BIND_PROBE_IN) var<storage, read> queries: array<Query>;
+@group(GROUP_PASS) @binding(BIND_PROBE_OUT) var<storage, read_write> answers: array<f32>;
 
 var<private> next_answer: u32;
 
@@ -27,7 +25,7 @@ fn answer3(value: vec3f) {
     answer(value.z);
 }
 
-@compute @workgroup_size(64)
+@compute @workgroup_size(PROBE_GROUP)
 fn cs_probe(@builtin(global_invocation_id) id: vec3u) {
     if id.x >= arrayLength(&queries) {
         return;

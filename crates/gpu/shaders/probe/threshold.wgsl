@@ -7,7 +7,7 @@ fn probe_float(at: u32) -> f32 {
     return bitcast<f32>(probe_in[at]);
 }
 
-@compute @workgroup_size(64)
+@compute @workgroup_size(PROBE_GROUP)
 fn cs_probe(@builtin(global_invocation_id) id: vec3u) {
     let at = id.x * 15u;
     var site: Site;

@@ -1,34 +1,20 @@
 // Our own tree of eight children a node, in the layout of sheer_accel::PackedTree.
 #import shared/intersect
-
-struct BvhNode {
-    // Lower x, y, z, then upper x, y, z: four children, then the other four.
-    bounds: array<array<vec4f, 2>, 6>,
-    // Indices of nodes or, with BVH_BLOCK, of blocks; BVH_NONE in unused lanes.
-    children: array<vec4u, 2>,
-}
+#import struct/BvhBlock
+#import struct/BvhHeader
+#import struct/BvhNode
 
 struct BvhNodes {
-    // The box around all triangles.
-    lower: vec3f,
-    // Where the ray begins; BVH_NONE without triangles.
-    root: u32,
-    upper: vec3f,
+    header: BvhHeader,
     nodes: array<BvhNode>,
 }
 
-struct BvhBlock {
-    // vertices[axis][vertex][lane]
-    vertices: array<array<array<f32, 8>, 3>, 3>,
-    // From the first unused lane on BVH_NONE.
-    triangles: array<u32, 8>,
-}
+@group(GROUP_SCENE) @binding(BIND_ACCEL) var<storage, read> bvh_nodes: BvhNodes;
+@group(GROUP_SCENE) @binding(BIND_ACCEL_TRIANGLES) var<storage, read> bvh_blocks: array<BvhBlock>;
 
-@group(0) @binding(15) var<storage, read> bvh_nodes: BvhNodes;
-@group(0) @binding(16) var<storage, read> bvh_blocks: array<BvhBlock>;
-
-// The ray as the box test needs it: widened, so that no box is missed that holds a triangle the triangle test would hit; see
-// `Slabs` in sheer_accel for the bounds. BVH_SLACK there counts a rounding after each operation; fusing saves some.
+// The ray as the box test needs it: widened, so that no box is missed that holds a triangle the triangle test
+// would hit; see `Slabs` in sheer_accel for the bounds. BVH_SLACK there counts a rounding after each
+// operation; fusing saves some.
 struct Slabs {
     origin_near: vec3f,
     origin_far: vec3f,
@@ -43,7 +29,7 @@ struct Slabs {
 fn slabs_of(origin: vec3f, direction: vec3f, t_min: f32) -> Slabs {
     let speed = abs(direction);
     let fastest = max(max(speed.x, speed.y), speed.z);
-    let reach = max(abs(bvh_nodes.lower - origin), abs(bvh_nodes.upper - origin));
+    let reach = max(abs(bvh_nodes.header.lower - origin), abs(bvh_nodes.header.upper - origin));
     let widest = max(max(reach.x, reach.y), reach.z);
     let backwards = bitcast<vec3u>(direction) >> vec3u(31u) != vec3u(0u);
     let distance = (reach + widest) * BVH_PADDING + abs(origin) * BVH_ORIGIN_PADDING;

@@ -35,7 +35,7 @@ fn view_depth(point: vec3f) -> f32 {
 }
 
 // Where a world point appears, in pixels.
-fn project(camera: Camera, point: vec3f) -> Projected {
+fn project(camera: CameraUniform, point: vec3f) -> Projected {
     let from_eye = point - camera.eye;
     let in_camera = vec3f(dot(camera.x_axis, from_eye), dot(camera.y_axis, from_eye), dot(camera.z_axis, from_eye));
     let size = vec2f(frame.size);
@@ -50,7 +50,7 @@ fn project(camera: Camera, point: vec3f) -> Projected {
 }
 
 // Where a direction at infinity appears, in pixels.
-fn project_direction(camera: Camera, direction: vec3f) -> Projected {
+fn project_direction(camera: CameraUniform, direction: vec3f) -> Projected {
     if camera.is_orthographic != 0u {
         return Projected(vec2f(0.0), false);
     }

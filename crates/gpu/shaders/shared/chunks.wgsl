@@ -1,4 +1,5 @@
-// The list of a pixel in an order that the method gives by `comes_before`, in bounded memory: each scan of the list takes the next few.
+// The list of a pixel in an order that the method gives by `comes_before`, in bounded memory: each scan of
+// the list takes the next few.
 #import shared/drawn
 #import shared/listed
 

@@ -20,9 +20,9 @@ fn hand_in(counter: u32, count: u32) {
 
 // Adds what this invocation has counted to the frame's counters.
 fn hand_in_counts() {
-    hand_in(0u, counted.camera_rays);
-    hand_in(1u, counted_shadow_rays);
-    hand_in(2u, counted.hits);
-    hand_in(3u, counted.shaded);
-    hand_in(4u, counted.merged);
+    hand_in(COUNTER_CAMERA_RAYS, counted.camera_rays);
+    hand_in(COUNTER_SHADOW_RAYS, counted_shadow_rays);
+    hand_in(COUNTER_HITS, counted.hits);
+    hand_in(COUNTER_SHADED, counted.shaded);
+    hand_in(COUNTER_MERGED, counted.merged);
 }

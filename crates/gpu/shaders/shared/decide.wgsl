@@ -5,7 +5,8 @@ fn keeps(alpha: f32, threshold: f32) -> bool {
     return alpha >= MIN_ALPHA && (alpha >= 1.0 || alpha >= threshold);
 }
 
-// The coverage, 0 to 1, that is held against thresholds for an opacity, 0 to 1 (STD section 3.2.1); both ends stay what they are.
+// The coverage, 0 to 1, that is held against thresholds for an opacity, 0 to 1 (STD section 3.2.1); both ends
+// stay what they are.
 fn coverage(alpha: f32) -> f32 {
     if alpha <= 0.0 || alpha >= 1.0 {
         return alpha;

@@ -1,4 +1,5 @@
-// Fragments as methods with an unordered gathering take them: twin of `Fragment` in crates/render/src/contract/fragment.rs.
+// Fragments as methods with an unordered gathering take them: twin of `Fragment` in
+// crates/render/src/contract/fragment.rs.
 #import shared/opaque
 
 struct Fragment {
@@ -23,8 +24,8 @@ fn is_in_front(depth: f32, triangle: u32, other_depth: f32, other_triangle: u32)
     return depth < other_depth || (depth == other_depth && triangle < other_triangle);
 }
 
-// What a pass that draws all triangles does with one: alpha is 0 where it has no part in the pixel, being nothing, opaque or hidden by
-// something opaque.
+// What a pass that draws all triangles does with one: alpha is 0 where it has no part in the pixel, being
+// nothing, opaque or hidden by something opaque.
 fn drawn(vertex: TriangleVertex, ray: CameraRay) -> Fragment {
     let fragment = fragment_of(ray, fragment_hit(pixel_at, vertex.triangle));
     if fragment.hit.t < 0.0 || fragment.alpha >= 1.0 || is_hidden(pixel_at, fragment.hit) {

@@ -1,25 +1,18 @@
 // Light from far away: twin of crates/scene/src/environment.rs.
 #import shared/frame
 #import shared/vector
+#import struct/Lobe
 
-// A spherical Gaussian: `radiance · exp(sharpness · (cos - 1))` (Wang et al. 2009).
-struct Lobe {
-    direction: vec3f,
-    sharpness: f32,
-    radiance: vec3f,
-}
-
-@group(0) @binding(13) var<storage, read> lobes: array<Lobe>;
-
-const PI: f32 = 3.14159265358979;
+@group(GROUP_SCENE) @binding(BIND_LOBES) var<storage, read> lobes: array<Lobe>;
 
 // Radiance arriving from a unit direction, averaged over a lobe of the given width (perceptual roughness).
 fn environment_radiance(direction: vec3f, roughness: f32) -> vec3f {
     // The gradient is smooth: blurring it pulls the height towards the horizon's mix.
-    let blur = 1.0 - 0.6 * roughness * roughness;
+    let blur = 1.0 - HORIZON_BLUR * roughness * roughness;
     var sum = gradient(direction.y * blur);
-    // A rough reflection is itself a spherical Gaussian; the product's width adds as 1/sharpness (Wang et al. 2009, section 3.2).
-    let alpha = max(roughness * roughness, 1e-3);
+    // A rough reflection is itself a spherical Gaussian; the product's width adds as 1/sharpness (Wang et al.
+    // 2009, section 3.2).
+    let alpha = max(roughness * roughness, LEAST_WIDTH);
     let view_sharpness = 2.0 / (alpha * alpha) / 4.0;
     for (var index = 0u; index < frame.lobe_count; index++) {
         let lobe = lobes[index];
@@ -32,7 +25,8 @@ fn environment_radiance(direction: vec3f, roughness: f32) -> vec3f {
 
 // Irradiance on a surface with the given unit normal, divided by pi.
 fn environment_diffuse(normal: vec3f) -> vec3f {
-    // Cosine-weighted mean of the gradient in closed form: the hemisphere's mean height is 2/3 of the normal's.
+    // Cosine-weighted mean of the gradient in closed form: the hemisphere's mean height is 2/3 of the
+    // normal's.
     var sum = gradient(normal.y * (2.0 / 3.0));
     for (var index = 0u; index < frame.lobe_count; index++) {
         let lobe = lobes[index];
@@ -50,5 +44,5 @@ fn gradient(height: f32) -> vec3f {
     if height >= 0.0 {
         return lerp(frame.horizon, frame.zenith, sqrt(min(height, 1.0)));
     }
-    return lerp(frame.horizon, frame.ground, sqrt(min(-height * 3.0, 1.0)));
+    return lerp(frame.horizon, frame.ground, sqrt(min(-height * GROUND_STEEPNESS, 1.0)));
 }

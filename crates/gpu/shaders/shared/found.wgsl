@@ -16,7 +16,8 @@ const SURFACE_FRONT: u32 = 1u;
 const SURFACE_TRANSPARENT: u32 = 2u;
 const SURFACE_TAIL: u32 = 4u;
 
-// In 16 bytes: triangle, weights of its second and third vertex, flags; of a tail the colour in place of the weights, and no triangle.
+// In 16 bytes: triangle, weights of its second and third vertex, flags; of a tail the colour in place of the
+// weights, and no triangle.
 fn surface_from_found(found: Found) -> vec4u {
     var flags = select(0u, SURFACE_TRANSPARENT, found.transparent);
     if found.is_tail {

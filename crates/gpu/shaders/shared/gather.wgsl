@@ -1,7 +1,7 @@
 // The nearest fragments of a ray, front to back, in bounded memory: twin of `Tracer::gather_front`.
 //
-// One traversal gathers LAYER_CAPACITY layers. Where the rest is needed, too, the next one starts behind the last fragment: nothing is dropped, whatever
-// the number of layers, and those rays are counted.
+// One traversal gathers LAYER_CAPACITY layers. Where the rest is needed, too, the next one starts behind the
+// last fragment: nothing is dropped, whatever the number of layers, and those rays are counted.
 #import shared/alpha
 #import shared/counters
 #import shared/decide
@@ -85,7 +85,8 @@ fn visit_gather(hit: Hit) -> u32 {
     }
     layers[index] = Layer(hit.t, hit.triangle, alpha, 1.0);
     layer_count += 1u;
-    // A fragment found late, in front of others, only lowers the visibility behind them: the end never moves away.
+    // A fragment found late, in front of others, only lowers the visibility behind them: the end never moves
+    // away.
     var visibility = visibility_before(index);
     for (var at = index; at < layer_count; at += 1u) {
         visibility *= 1.0 - layers[at].alpha;

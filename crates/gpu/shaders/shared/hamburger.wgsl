@@ -1,10 +1,11 @@
-// The truncated Hamburger moment problem: twin of crates/render/src/method/moments/hamburger.rs, in 32 bits, as the paper has it.
+// The truncated Hamburger moment problem: twin of crates/render/src/method/moments/hamburger.rs, in 32 bits,
+// as the paper has it.
 
 // Rows of the Hankel matrix: half the moments and one.
 const ROWS: u32 = 3u + P_ORDER;
 const DEGREE: u32 = ROWS - 1u;
-// The published biases leave every pivot above 1.2e-7 (for each order the bias times the last pivot of what it moves the moments to). What is
-// below half of that is nothing but rounding.
+// The published biases leave every pivot above 1.2e-7 (for each order the bias times the last pivot of what
+// it moves the moments to). What is below half of that is nothing but rounding.
 const LEAST_PIVOT: f32 = 6e-8;
 // A root beyond has no mass.
 const FURTHEST_ROOT: f32 = 1e6;
@@ -92,7 +93,7 @@ fn value_and_slope(x: f32) -> vec2f {
     return vec2f(value, slope);
 }
 
-// Real roots, ascending.
+// The real roots of a polynomial, in ascending order.
 struct Roots {
     at: array<f32, DEGREE>,
     count: u32,
@@ -120,8 +121,8 @@ fn quadratic_roots() -> Roots {
     return roots;
 }
 
-// Newton's method, with a bisection whenever it would leave the interval or does not halve its step. Gives the root between two points where the
-// polynomial has different signs.
+// Newton's method, with a bisection whenever it would leave the interval or does not halve its step. Gives
+// the root between two points where the polynomial has different signs.
 fn root_between(from_low: f32, from_high: f32) -> f32 {
     // A few units in the last place.
     const PRECISION: f32 = 5e-7;
@@ -155,8 +156,8 @@ fn is_negative(x: f32) -> bool {
     return value_and_slope(x).x < 0.0;
 }
 
-// The point, going up or down from one, where the polynomial has the other sign; the first one if there is none. Most roots are within a
-// unit, so it begins small.
+// The point, going up or down from one, where the polynomial has the other sign; the first one if there is
+// none. Most roots are within a unit, so it begins small.
 fn change_beyond(start: f32, direction: f32) -> f32 {
     let begins_negative = is_negative(start);
     var step = 0.125 * direction;
@@ -169,8 +170,8 @@ fn change_beyond(start: f32, direction: f32) -> f32 {
     return start;
 }
 
-// Of the polynomial, from the roots of its derivative: between two neighbouring extrema there is one root at most, as there is beyond the
-// outermost ones.
+// Of the polynomial, from the roots of its derivative: between two neighbouring extrema there is one root at
+// most, as there is beyond the outermost ones.
 fn roots_by_extrema(of_derivative: Roots) -> Roots {
     var extrema = of_derivative;
     var roots: Roots;

@@ -68,7 +68,8 @@ fn unit_from_bits(bits: u32) -> f32 {
     return f32(bits >> 8u) * UNIT_STEP;
 }
 
-// The high half of a product of 64 bits, schoolbook on halves of 16 bits: `(u64::from(a) * u64::from(b)) >> 32`.
+// The high half of a product of 64 bits, schoolbook on halves of 16 bits: `(u64::from(a) * u64::from(b)) >>
+// 32`.
 fn mul_high(a: u32, b: u32) -> u32 {
     let low_low = (a & 0xffffu) * (b & 0xffffu);
     let low_high = (a & 0xffffu) * (b >> 16u);

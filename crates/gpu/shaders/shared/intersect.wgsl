@@ -1,9 +1,10 @@
 // The watertight triangle test (Woop, Benthin and Wald, JCGT 2013), twin of `Shear` in sheer_accel.
 //
-// A compiler may fuse a product with a subtraction, which WGSL cannot forbid. Then the sign of a difference of two nearly
-// equal products may be wrong, and a ray may slip between two triangles or hit both. So the sign of a difference that is
-// small beside its products is taken from the products' exact integers, whatever the compiler does. Without fusion
-// (Mesa's llvmpipe) all numbers are the CPU's bits, but for hits that need `precise_areas`.
+// A compiler may fuse a product with a subtraction, which WGSL cannot forbid. Then the sign of a difference
+// of two nearly equal products may be wrong, and a ray may slip between two triangles or hit both. So the
+// sign of a difference that is small beside its products is taken from the products' exact integers, whatever
+// the compiler does. Without fusion (Mesa's llvmpipe) all numbers are the CPU's bits, but for hits that need
+// `precise_areas`.
 #import shared/hit
 #import shared/scene
 
@@ -11,7 +12,7 @@
 struct WatertightRay {
     // Original axes that become x, y and z; z is the fastest.
     axes: vec3u,
-    // Origin, permuted.
+    // The ray's origin, its coordinates in the order of `axes`.
     origin: vec3f,
     // Direction's x and y per z, and 1 per z.
     slope: vec3f,
@@ -56,8 +57,8 @@ fn intersect(ray: WatertightRay, triangle: u32) -> Hit {
     return intersect_sheared(ray, sheared_triangle(ray, triangle), triangle);
 }
 
-// Where the ray meets the plane of the triangle: the numbers of `intersect` without its test whether that is inside. For
-// points that are known to be inside up to rounding. `t` is -1 if the ray lies in the plane.
+// Where the ray meets the plane of the triangle: the numbers of `intersect` without its test whether that is
+// inside. For points that are known to be inside up to rounding. `t` is -1 if the ray lies in the plane.
 fn barycentrics(ray: WatertightRay, triangle: u32) -> Hit {
     let corners = sheared_triangle(ray, triangle);
     return weighted(ray, corners, areas_of(corners), triangle);
@@ -88,7 +89,8 @@ fn areas_of(corners: Sheared) -> vec3f {
 
 fn intersect_sheared(ray: WatertightRay, corners: Sheared, triangle: u32) -> Hit {
     let areas = areas_of(corners);
-    // Far from all edges the signs are right even after fusion, which errs by half a unit in the last place of a product.
+    // Far from all edges the signs are right even after fusion, which errs by half a unit in the last place
+    // of a product.
     let products = abs(corners.x.zxy * corners.y.yzx) + abs(corners.y.zxy * corners.x.yzx);
     let doubtful = abs(areas) <= products * AREA_DOUBT;
     var signs = vec3i(sign(areas));
@@ -110,9 +112,9 @@ fn intersect_sheared(ray: WatertightRay, corners: Sheared, triangle: u32) -> Hit
     return weighted(ray, corners, select(areas, vec3f(0.0), sign(areas) != vec3f(signs)), triangle);
 }
 
-// Which edges belong to the triangle where the ray passes through them. It counts as moved by an infinitesimal (-e, e^2) in
-// the sheared plane, the fill rule of rasterisers: of all triangles around the edge or vertex, as many are hit as if the
-// ray had passed beside it.
+// Which edges belong to the triangle where the ray passes through them. It counts as moved by an
+// infinitesimal (-e, e^2) in the sheared plane, the fill rule of rasterisers: of all triangles around the
+// edge or vertex, as many are hit as if the ray had passed beside it.
 fn owned_edges(corners: Sheared, front: bool) -> vec3<bool> {
     let along_x = select(corners.x.zxy, corners.x.yzx, front) - select(corners.x.yzx, corners.x.zxy, front);
     let along_y = select(corners.y.zxy, corners.y.yzx, front) - select(corners.y.yzx, corners.y.zxy, front);
@@ -135,8 +137,9 @@ fn weighted(ray: WatertightRay, corners: Sheared, rounded_areas: vec3f, triangle
     return Hit(depth * ray.slope.z, weights.y, weights.z, triangle, sum > 0.0);
 }
 
-// The areas where `f32` has lost one, in place of the CPU's `f64`. Halves of 12 bits have exact products, fused or not, so
-// that what rounds are differences: an area errs by at most 2^-34 of its larger product, and has the right sign.
+// The areas where `f32` has lost one, in place of the CPU's `f64`. Halves of 12 bits have exact products,
+// fused or not, so that what rounds are differences: an area errs by at most 2^-34 of its larger product, and
+// has the right sign.
 fn precise_areas(corners: Sheared) -> vec3f {
     let a = corners.x.zxy;
     let b = corners.y.yzx;
@@ -169,7 +172,8 @@ fn exact_signs(corners: Sheared) -> vec3i {
     );
 }
 
-// sign * (high * 2^24 + low) * 2^exponent up to a constant power; `high` has 24 bits, so that larger is larger member by member.
+// sign * (high * 2^24 + low) * 2^exponent up to a constant power; `high` has 24 bits, so that larger is
+// larger member by member.
 struct ExactProduct {
     sign: i32,
     exponent: u32,

@@ -1,5 +1,5 @@
-// Which samples of a pixel a transparent fragment covers: twins of sheer_core::mask for up to 32 samples, whose masks are one word, the low
-// one of the masks there.
+// Which samples of a pixel a transparent fragment covers: twins of sheer_core::mask for up to 32 samples,
+// whose masks are one word, the low one of the masks there.
 #import shared/hash
 #import shared/tables
 
@@ -19,7 +19,8 @@ fn coin_mask(alpha: u32, seed: vec2u) -> u32 {
     if alpha >= OPAQUE_ALPHA {
         return ~0u;
     }
-    // From the lowest digit of alpha up: OR with a fair coin takes p to (p + 1) / 2, AND to p / 2, for all samples at once.
+    // From the lowest digit of alpha up: OR with a fair coin takes p to (p + 1) / 2, AND to p / 2, for all
+    // samples at once.
     var mask = 0u;
     for (var digit = 0u; digit < ALPHA_BITS; digit++) {
         let coins = pcg2d(vec2u(seed.x, seed.y + digit)).x;
@@ -51,7 +52,8 @@ fn along_curve(pixel: vec2u) -> u32 {
     return spread(pixel.x) | (spread(pixel.y) << 1u);
 }
 
-// The threshold, as a fraction of 2^32, of the sample with a position along a curve (Laine and Karras 2011, section 3.1).
+// The threshold, as a fraction of 2^32, of the sample with a position along a curve (Laine and Karras 2011,
+// section 3.1).
 fn stratified_threshold(position: u32, surface: u32) -> u32 {
     var x = reverseBits(position) + surface;
     x ^= x * SCRAMBLE_0;

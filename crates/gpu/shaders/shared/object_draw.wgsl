@@ -1,4 +1,5 @@
-// What an object draws for itself: twin of sheer_render's method/object_draw.rs, of STD Listing 4's `getRandom3x3Map`.
+// What an object draws for itself: twin of sheer_render's method/object_draw.rs, of STD Listing 4's
+// `getRandom3x3Map`.
 #import shared/hash
 #import shared/site
 

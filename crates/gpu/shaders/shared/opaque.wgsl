@@ -2,7 +2,7 @@
 #import shared/triangles
 
 // Triangle and, as bits, the weights of its second and third vertex; NONE where there is nothing opaque.
-@group(2) @binding(0) var opaque_surfaces: texture_2d<u32>;
+@group(GROUP_OWN) @binding(BIND_OPAQUE_SURFACES) var opaque_surfaces: texture_2d<u32>;
 
 struct OpaqueSurface {
     found: bool,

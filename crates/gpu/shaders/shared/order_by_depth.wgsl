@@ -1,4 +1,4 @@
-// Front to back.
+// The order of `chunks` for methods that blend their fragments front to back.
 #import shared/drawn
 
 fn comes_before(fragment: Fragment, other: Fragment) -> bool {

@@ -1,4 +1,5 @@
-// The random stream of `sheer_core::hash::Pcg32` (O'Neill 2014). Numbers of 64 bits are two words, the low one first.
+// The random stream of `sheer_core::hash::Pcg32` (O'Neill 2014). Numbers of 64 bits are two words, the low
+// one first.
 #import shared/hash
 
 var<private> pcg32_state: vec2u;

@@ -3,7 +3,7 @@
 #import shared/vector
 
 struct Receiver {
-    // World.
+    // Where the point is, world.
     position: vec3f,
     // Unit normal of its triangle; either side.
     normal: vec3f,
@@ -15,9 +15,8 @@ struct Receiver {
     key: vec3u,
 }
 
-
-// How far to step off the surface so that rounding does not shadow it by itself: a share of the scene's size, and a few times the rounding
-// error of a 32-bit coordinate.
+// How far to step off the surface so that rounding does not shadow it by itself: a share of the scene's size,
+// and a few times the rounding error of a 32-bit coordinate.
 fn lift(receiver: Receiver) -> f32 {
-    return frame.lift + max_element(abs(receiver.position)) * 4e-6;
+    return frame.lift + max_element(abs(receiver.position)) * LIFT_ROUNDING;
 }

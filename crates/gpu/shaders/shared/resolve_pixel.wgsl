@@ -1,4 +1,5 @@
-// From what a ray has found to a pixel with depth, motion and ids: twins of `Tracer::pixel`, `seen` and `background`.
+// From what a ray has found to a pixel with depth, motion and ids: twins of `Tracer::pixel`, `seen` and
+// `background`.
 #import shared/camera
 #import shared/counters
 #import shared/environment
@@ -45,7 +46,8 @@ fn over(front: vec4f, back: vec4f) -> vec4f {
     return front + (1.0 - front.w) * back;
 }
 
-// Writes a pixel that shows a premultiplied colour and has the depth, motion and ids of a hit, or of the far distance without one.
+// Writes a pixel that shows a premultiplied colour and has the depth, motion and ids of a hit, or of the far
+// distance without one.
 fn write_pixel(pixel: vec2u, colour: vec4f, ray: CameraRay, found: bool, hit: Hit, transparent: bool) {
     var record: PixelRecord;
     record.colour = colour;

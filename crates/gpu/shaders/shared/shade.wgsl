@@ -1,4 +1,5 @@
-// Shading: glTF metallic-roughness under punctual lights with shadows, and the environment. Twin of crates/render/src/cpu/shade.rs.
+// Shading: glTF metallic-roughness under punctual lights with shadows, and the environment. Twin of
+// crates/render/src/cpu/shade.rs.
 #import shared/environment
 #import shared/frame
 #import shared/hit
@@ -14,7 +15,7 @@ struct Incident {
     arrives: bool,
     // Unit direction towards the light.
     to_light: vec3f,
-    // World units.
+    // From the surface to the light, world units.
     distance: f32,
     // Irradiance on a surface that faces the light.
     irradiance: vec3f,
@@ -27,7 +28,7 @@ struct Reflectance {
     // Specular reflectance at normal incidence.
     f0: vec3f,
     n_dot_v: f32,
-    // Perceptual roughness.
+    // Perceptual, no less than MIN_ROUGHNESS.
     roughness: f32,
 }
 
@@ -38,7 +39,8 @@ fn shade(ray: CameraRay, hit: Hit, pixel: vec2u) -> vec3f {
     if surface.model == MODEL_UNLIT {
         return surface.base_colour * frame.exposure;
     }
-    // The environment is asked in one place for all models: software drivers compile each call anew, for seconds.
+    // The environment is asked in one place for all models: software drivers compile each call anew, for
+    // seconds.
     var facing = surface.normal;
     if surface.model == MODEL_FIBRE {
         // The side that is seen of a round thing looks towards the viewer as far as its direction allows.
@@ -65,7 +67,8 @@ fn shade(ray: CameraRay, hit: Hit, pixel: vec2u) -> vec3f {
     return radiance * frame.exposure;
 }
 
-// Sum over all lights: irradiance × response × transmittance; shadows are looked for wherever the surface can respond.
+// Sum over all lights: irradiance × response × transmittance; shadows are looked for wherever the surface can
+// respond.
 fn lit(surface: Surface, to_viewer: vec3f, key: vec3u) -> vec3f {
     var sum = vec3f(0.0);
     for (var index = 0u; index < frame.light_count; index++) {
@@ -120,7 +123,7 @@ fn arriving(index: u32, position: vec3f) -> Incident {
     if light.kind == LIGHT_SPOT {
         let cosine = dot(light.direction, -to_light);
         let cone = clamp(
-            (cosine - light.outer_cosine) / max(light.inner_cosine - light.outer_cosine, 1e-4), 0.0, 1.0,
+            (cosine - light.outer_cosine) / max(light.inner_cosine - light.outer_cosine, LEAST_CONE), 0.0, 1.0,
         );
         strength = strength * cone * cone;
     }
@@ -131,22 +134,23 @@ fn falloff(distance: f32, range: f32) -> f32 {
     let share = distance / range;
     let square = share * share;
     let window = clamp(1.0 - square * square, 0.0, 1.0);
-    return window / max(distance * distance, 1e-8);
+    return window / max(distance * distance, LEAST_SQUARE_DISTANCE);
 }
 
 fn reflectance_of(surface: Surface, to_viewer: vec3f) -> Reflectance {
     return Reflectance(
         surface.base_colour * (1.0 - surface.metallic),
         lerp(vec3f(DIELECTRIC_F0), surface.base_colour, surface.metallic),
-        max(dot(surface.normal, to_viewer), 1e-3),
+        max(dot(surface.normal, to_viewer), LEAST_COSINE),
         clamp(surface.roughness, MIN_ROUGHNESS, 1.0),
     );
 }
 
-// BRDF value: Lambert, and GGX with height-correlated Smith shadowing and Schlick's Fresnel (glTF 2.0, appendix B.3).
+// BRDF value: Lambert, and GGX with height-correlated Smith shadowing and Schlick's Fresnel (glTF 2.0,
+// appendix B.3).
 fn reflect_light(reflectance: Reflectance, surface: Surface, to_viewer: vec3f, to_light: vec3f) -> vec3f {
     let half_way = normalize_or(to_viewer + to_light, surface.normal);
-    let n_dot_l = max(dot(surface.normal, to_light), 1e-3);
+    let n_dot_l = max(dot(surface.normal, to_light), LEAST_COSINE);
     let n_dot_h = clamp(dot(surface.normal, half_way), 0.0, 1.0);
     let v_dot_h = clamp(dot(to_viewer, half_way), 0.0, 1.0);
     let alpha = reflectance.roughness * reflectance.roughness;
@@ -168,24 +172,22 @@ fn masking(alpha2: f32, cosine: f32, other: f32) -> f32 {
 // Directional albedo of the specular lobe (Karis 2014, *Physically Based Shading on Mobile*).
 fn environment_specular(reflectance: Reflectance) -> vec3f {
     let r = reflectance.roughness;
-    let x = 1.0 - r;
-    let y = 0.0425 - 0.0275 * r;
-    let z = 1.04 - 0.572 * r;
-    let w = 0.022 * r - 0.04;
-    let grazing = min(x * x, exp2(-9.28 * reflectance.n_dot_v)) * x + y;
-    let scale = -1.04 * grazing + z;
-    let bias = 1.04 * grazing + w;
+    let fit = SPECULAR_FIT_SLOPES * r + SPECULAR_FIT_STARTS;
+    let grazing = min(fit.x * fit.x, exp2(SPECULAR_FIT_FALL * reflectance.n_dot_v)) * fit.x + fit.y;
+    let scale = -SPECULAR_FIT_GRAZING * grazing + fit.z;
+    let bias = SPECULAR_FIT_GRAZING * grazing + fit.w;
     return reflectance.f0 * scale + vec3f(max(bias, 0.0));
 }
 
-// Scattering of a puff: light wraps around its inscribed ball, and some of it shines through towards the viewer.
+// Scattering of a puff: light wraps around its inscribed ball, and some of it shines through towards the
+// viewer.
 fn smoke_phase(surface: Surface, to_viewer: vec3f, to_light: vec3f) -> vec3f {
     let around = (dot(surface.normal, to_light) + SMOKE_WRAP) / (1.0 + SMOKE_WRAP);
     let wrapped_light = max(around, 0.0) / (1.0 + SMOKE_WRAP);
     let g = SMOKE_ANISOTROPY;
     let cosine = -dot(to_viewer, to_light);
     let forward = (1.0 - g * g) / (4.0 * pow(1.0 + g * g - 2.0 * g * cosine, 1.5));
-    return surface.base_colour * (0.7 * wrapped_light + 0.3 * forward) / PI;
+    return surface.base_colour * (SMOKE_SHARES.x * wrapped_light + SMOKE_SHARES.y * forward) / PI;
 }
 
 // The part of a direction that is perpendicular to a unit axis.
@@ -193,7 +195,8 @@ fn across(along: vec3f, direction: vec3f) -> vec3f {
     return direction - along * dot(along, direction);
 }
 
-// Scattering of a fibre, the cosine of the light included (Marschner et al. 2003, Karis 2016, Kajiya and Kay 1989; see the CPU's).
+// Scattering of a fibre, the cosine of the light included (Marschner et al. 2003, Karis 2016, Kajiya and Kay
+// 1989; see the CPU's).
 fn fibre_scattering(surface: Surface, to_viewer: vec3f, to_light: vec3f) -> vec3f {
     let along = surface.normal;
     let light_across = across(along, to_light);
@@ -207,8 +210,8 @@ fn fibre_scattering(surface: Surface, to_viewer: vec3f, to_light: vec3f) -> vec3
     let rough = max(surface.roughness, MIN_ROUGHNESS);
     let width = rough * rough;
     let reflected = FIBRE_SURFACE * fibre_lobe(rise, -2.0 * FIBRE_TILT, width) * 0.25 * sqrt(0.5 + 0.5 * around);
-    let through = FIBRE_THROUGH * fibre_lobe(rise, FIBRE_TILT, 0.5 * width) * exp(-3.65 * around - 3.98);
-    let back = FIBRE_BACK * fibre_lobe(rise, 4.0 * FIBRE_TILT, 2.0 * width) * exp(17.0 * around - 16.78);
+    let through = FIBRE_THROUGH * fibre_lobe(rise, FIBRE_TILT, 0.5 * width) * exp(FIBRE_THROUGH_FIT.x * around + FIBRE_THROUGH_FIT.y);
+    let back = FIBRE_BACK * fibre_lobe(rise, 4.0 * FIBRE_TILT, 2.0 * width) * exp(FIBRE_BACK_FIT.x * around + FIBRE_BACK_FIT.y);
     let diffuse = (1.0 - FIBRE_THROUGH - FIBRE_BACK) * (1.0 + around) / (PI * PI);
     let inside = (1.0 - FIBRE_SURFACE) * (through + back + diffuse);
     return (vec3f(reflected) + surface.base_colour * inside) * cosine;

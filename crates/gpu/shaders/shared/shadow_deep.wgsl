@@ -1,5 +1,5 @@
-// Deep shadow rays: the exact light that passes everything between a point and a light (STD section 3.1). Twin of
-// crates/render/src/shadow/deep.rs.
+// Deep shadow rays: the exact light that passes everything between a point and a light (STD section 3.1).
+// Twin of crates/render/src/shadow/deep.rs.
 #import shared/hit
 #import shared/receiver
 #import shared/scene

@@ -1,10 +1,10 @@
-// Lookup in a stochastic shadow map (ST section 3.6): twin of `Samples` in crates/render/src/shadow/stochastic_map.rs and of
-// `Projection::filter` and `Projection::random_taps`.
+// Lookup in a stochastic shadow map (ST section 3.6): twin of `Samples` in
+// crates/render/src/shadow/stochastic_map.rs and of `Projection::filter` and `Projection::random_taps`.
 #import shared/hash
 #import shared/shadow_projection
 #import shared/shadow_texel
 
-@group(1) @binding(4) var<storage, read> shadow_map: array<f32>;
+@group(GROUP_PASS) @binding(BIND_SHADOW_MAP) var<storage, read> shadow_map: array<f32>;
 
 // No single sample: all of them.
 const ALL_SAMPLES: u32 = ~0u;
@@ -37,7 +37,8 @@ fn channel_visibility(texel: u32, channel: u32, depth: f32, one: u32) -> f32 {
     return 1.0 - blocked;
 }
 
-// Visibility at a depth of a texel by the share of its samples that are not nearer to the light (ST Eq. 4): all of them, or one.
+// Visibility at a depth of a texel by the share of its samples that are not nearer to the light (ST Eq. 4):
+// all of them, or one.
 fn map_visibility(light: u32, at: Tap, one: u32) -> vec3f {
     let texel = (shadow_lights[light].first_texel + at.texel) * shadow_stride();
     let red = channel_visibility(texel, 0u, at.depth, one);
@@ -77,7 +78,8 @@ fn filtered(light: u32, receiver: Receiver, coordinate: MapCoordinate) -> vec3f 
     return sum / weights;
 }
 
-// Mean of one sample each at random points of the box, evenly spread: the sequence R2 (Roberts 2018) from a random start.
+// Mean of one sample each at random points of the box, evenly spread: the sequence R2 (Roberts 2018) from a
+// random start.
 fn random_taps(light: u32, receiver: Receiver, coordinate: MapCoordinate) -> vec3f {
     let random = pcg4d(vec4u(receiver.key, shadow_lights[light].key));
     let start = vec2f(unit_from_bits(random.x), unit_from_bits(random.y));

@@ -2,39 +2,15 @@
 #import shared/frame
 #import shared/receiver
 #import shared/vector
+#import struct/ShadowFace
+#import struct/ShadowLight
 
-// One square of a map: columns of world_from_face, and its lens.
-struct ShadowFace {
-    right: vec3f,
-    // Parallel: columns of a texel, world units. Central: half the width at distance 1.
-    width: f32,
-    up: vec3f,
-    // Parallel: rows of a texel, world units.
-    height: f32,
-    forward: vec3f,
-    is_central: u32,
-    // Parallel: a corner of the map, in the space of the face. Central: the eye, world.
-    origin: vec3f,
-    padding: u32,
-}
-
-struct ShadowLight {
-    first_face: u32,
-    face_count: u32,
-    // Texels a row of a face.
-    side: u32,
-    // Where its texels begin: in texels.
-    first_texel: u32,
-    // Of the frame, the run and the light: makes random numbers differ.
-    key: u32,
-}
-
-@group(1) @binding(2) var<storage, read> shadow_lights: array<ShadowLight>;
-@group(1) @binding(3) var<storage, read> shadow_faces: array<ShadowFace>;
+@group(GROUP_PASS) @binding(BIND_SHADOW_LIGHTS) var<storage, read> shadow_lights: array<ShadowLight>;
+@group(GROUP_PASS) @binding(BIND_SHADOW_FACES) var<storage, read> shadow_faces: array<ShadowFace>;
 
 struct LightRay {
     origin: vec3f,
-    // Unit length.
+    // From the light, unit length.
     direction: vec3f,
 }
 
@@ -42,7 +18,7 @@ struct LightRay {
 struct MapCoordinate {
     // False outside the map, where nothing is lit or nothing is.
     inside: bool,
-    // Among the light's.
+    // Index of the face among those of the light.
     face: u32,
     // In texels from the corner.
     at: vec2f,
@@ -112,8 +88,8 @@ fn map_coordinate(light: u32, point: vec3f) -> MapCoordinate {
     return coordinate;
 }
 
-// The texel at a point, the nearest one of the face, and the depth that counts as the receiver's there: where its plane meets the texel's
-// ray, less a bias.
+// The texel at a point, the nearest one of the face, and the depth that counts as the receiver's there: where
+// its plane meets the texel's ray, less a bias.
 fn tap(light: u32, receiver: Receiver, coordinate: MapCoordinate, beside: vec2f) -> Tap {
     let side = shadow_lights[light].side;
     let at = clamp(floor(beside), vec2f(0.0), vec2f(f32(side) - 1.0));

@@ -1,5 +1,6 @@
-// A texel of a stochastic shadow map: for each channel the depth of the first blocker that each sample keeps; with alpha correction also the
-// depths of the opaque surface and of the last transparent one, and for each channel the true total drop and the factor from the estimate to it.
+// A texel of a stochastic shadow map: for each channel the depth of the first blocker that each sample keeps;
+// with alpha correction also the depths of the opaque surface and of the last transparent one, and for each
+// channel the true total drop and the factor from the estimate to it.
 #import shared/frame
 
 // 3 where light takes on colour, else 1: red stands for all.

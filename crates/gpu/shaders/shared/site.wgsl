@@ -10,9 +10,10 @@ struct Site {
     primitive: u32,
     // HitKind(): 0 front, 1 back.
     back: u32,
-    // In world.
+    // Of the hit, world.
     position: vec3f,
-    // In the space of the object, before it moves and bends; this and the next only where the method says USES_OBJECT_SPACE.
+    // In the space of the object, before it moves and bends; this and the next only where the method says
+    // USES_OBJECT_SPACE.
     position_in_object: vec3f,
     // Length that a pixel covers there, along its longer axis; may be infinite.
     footprint_in_object: f32,

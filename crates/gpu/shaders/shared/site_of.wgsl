@@ -9,7 +9,8 @@ struct PlaneHit {
     is_met: bool,
 }
 
-// The plane of a triangle in front of a ray's origin (Möller and Trumbore 1997, without the bounds of the triangle).
+// The plane of a triangle in front of a ray's origin (Möller and Trumbore 1997, without the bounds of the
+// triangle).
 fn plane_hit(triangle: u32, ray: CameraRay) -> PlaneHit {
     let corners = corners_in_world(triangle);
     let a = corners[0];
@@ -29,8 +30,8 @@ fn plane_hit(triangle: u32, ray: CameraRay) -> PlaneHit {
     return PlaneHit(weights, t > 0.0 && is_finite);
 }
 
-// The longer of the two lengths, in the space of the object, between a hit and where the rays of the pixels to the right and below meet the
-// triangle's plane; FAR_AWAY where they pass it by.
+// The longer of the two lengths, in the space of the object, between a hit and where the rays of the pixels
+// to the right and below meet the triangle's plane; FAR_AWAY where they pass it by.
 fn footprint_in_object(pixel: vec2u, triangle: u32, position: vec3f) -> f32 {
     let sample = sample_of(pixel);
     let right = plane_hit(triangle, camera_ray(sample + vec2f(1.0, 0.0)));

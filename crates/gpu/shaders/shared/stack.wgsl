@@ -1,4 +1,5 @@
-// Layers of a pixel, sorted by depth: twin of crates/render/src/method/stack.rs. The method says how many may stay: P_K.
+// Layers of a pixel, sorted by depth: twin of crates/render/src/method/stack.rs. The method says how many may
+// stay: P_K.
 #import shared/drawn
 
 // A fragment, or several that were merged.

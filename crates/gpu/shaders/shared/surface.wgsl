@@ -6,7 +6,7 @@
 
 // As `sheer_scene::Surface`. Colours are linear.
 struct Surface {
-    // World.
+    // Where the point is, world.
     position: vec3f,
     previous_position: vec3f,
     // Unit normal of the triangle, towards the viewer.
@@ -17,11 +17,11 @@ struct Surface {
     front: bool,
     base_colour: vec3f,
     metallic: f32,
-    // Perceptual.
+    // Perceptual, 0 to 1.
     roughness: f32,
     emissive: vec3f,
     occlusion: f32,
-    // MODEL_…
+    // One of the numbers MODEL_….
     model: u32,
 }
 
@@ -31,7 +31,7 @@ struct Attributes {
     primitive: u32,
     weights: vec3f,
     corners: array<vec3f, 3>,
-    // Unit, outward.
+    // Interpolated normal, world, unit length, on the front's side.
     normal: vec3f,
     // World, with the bitangent's sign in w.
     tangent: vec4f,
@@ -116,7 +116,8 @@ fn surface_at(hit: Hit) -> Surface {
     return surface;
 }
 
-// Interpolated vertex attributes.
+// Vertex attributes of a triangle, interpolated at a point of it; `outward` stands in for normals that a mesh
+// lacks.
 fn attributes_at(
     object: u32, triangle: u32, weights: vec3f, corners: array<vec3f, 3>, outward: vec3f,
 ) -> Attributes {
@@ -191,8 +192,8 @@ fn transform_uv(used: TextureUse, uv: vec2f) -> vec2f {
     return used.x_axis * uv.x + used.y_axis * uv.y + used.translation;
 }
 
-// Multiplies textures into the surface and bends its normal. One after the other in a loop: a driver that inlines everything compiles the
-// lookup once instead of five times.
+// Multiplies textures into the surface and bends its normal. One after the other in a loop: a driver that
+// inlines everything compiles the lookup once instead of five times.
 fn apply_textures(material: u32, found: Attributes, bare: Surface) -> Surface {
     var surface = bare;
     for (var index = 0u; index < TEXTURE_COUNT; index++) {
@@ -225,7 +226,8 @@ fn apply_textures(material: u32, found: Attributes, bare: Surface) -> Surface {
     return surface;
 }
 
-// A tangent-space normal in world. Without a given tangent it follows the texture's u axis across the triangle.
+// A tangent-space normal in world. Without a given tangent it follows the texture's u axis across the
+// triangle.
 fn bend(found: Attributes, uvs: array<vec2f, 3>, in_tangent: vec3f) -> vec3f {
     var along = found.tangent.xyz;
     var bitangent_sign = found.tangent.w;
@@ -248,7 +250,8 @@ fn bend(found: Attributes, uvs: array<vec2f, 3>, in_tangent: vec3f) -> vec3f {
     );
 }
 
-// Sign of `normal × tangent` against the direction in which the image's v falls: up in the image is +Y of a normal map.
+// Sign of `normal × tangent` against the direction in which the image's v falls: up in the image is +Y of a
+// normal map.
 fn handedness(found: Attributes, uv_area: f32) -> f32 {
     let winding = cross(found.corners[1] - found.corners[0], found.corners[2] - found.corners[0]);
     return -(signum(uv_area) * signum(dot(winding, found.normal)));

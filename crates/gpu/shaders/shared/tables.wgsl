@@ -1,5 +1,5 @@
 // All tables in one buffer, made by crates/gpu/src/tables.rs; TABLE_ constants say where each begins.
-@group(0) @binding(14) var<storage, read> tables: array<u32>;
+@group(GROUP_SCENE) @binding(BIND_TABLES) var<storage, read> tables: array<u32>;
 
 // The blue noise of a pixel, in (0, 1): BlueNoise64x64Tex[pixel % 64] of STD Listings 1 and 4.
 fn blue_noise_at(pixel: vec2u) -> f32 {

@@ -1,20 +1,12 @@
 // Texture lookup, bilinear in linear light: twin of crates/scene/src/texture.rs.
 //
-// Hardware filters with weights of 8 bits, and a filtered alpha would differ from the CPU's in the third digit.
+// Hardware filters with weights of 8 bits, and a filtered alpha would differ from the CPU's in the third
+// digit.
 #import shared/tables
+#import struct/Texture
 
-// A texture in the atlas: its upper left texel, its size in texels, and how it is looked up.
-struct Texture {
-    origin: vec2u,
-    size: vec2u,
-    wrap: vec2u,
-    layer: u32,
-    filtering: u32,
-    srgb: u32,
-}
-
-@group(0) @binding(10) var<storage, read> textures: array<Texture>;
-@group(0) @binding(11) var atlas: texture_2d_array<u32>;
+@group(GROUP_SCENE) @binding(BIND_TEXTURES) var<storage, read> textures: array<Texture>;
+@group(GROUP_SCENE) @binding(BIND_ATLAS) var atlas: texture_2d_array<u32>;
 
 // The two texels on either side of a lookup, wrapped into the image, and the weight of the second.
 struct Neighbours {
@@ -60,7 +52,8 @@ fn remainder(value: i32, divisor: i32) -> i32 {
     return select(rest, rest + divisor, rest < 0);
 }
 
-// The next lower whole number. What is beyond an i32 becomes its nearest one, which saves the conversion from being undefined.
+// The next lower whole number. What is beyond an i32 becomes its nearest one, which saves the conversion from
+// being undefined.
 fn floor_to_integer(value: f32) -> i32 {
     let inside = clamp(value, -2147483648.0, 2147483520.0);
     let truncated = i32(inside);
@@ -101,7 +94,7 @@ fn lerp_texels(first: vec4f, second: vec4f, weight: f32) -> vec4f {
     return first * (1.0 - weight) + second * weight;
 }
 
-// Linear straight RGBA.
+// The texture at a point, bilinear: linear RGBA, straight.
 fn sample(texture: u32, uv: vec2f) -> vec4f {
     let around = footprint(texture, uv);
     let srgb = textures[texture].srgb != 0u;

@@ -1,4 +1,5 @@
-// The transparent fragments of the passes of pass/stochastic.wgsl, and what they tell those that come after them.
+// The transparent fragments of the passes of pass/stochastic.wgsl, and what they tell those that come after
+// them.
 //
 // A fragment has one depth, that of the hit of its pixel's ray, in all samples that its triangle covers.
 #import shared/camera
@@ -7,9 +8,10 @@
 #import shared/shade
 #import shared/fragment_stats
 
-@group(2) @binding(2) var<storage, read_write> fragment_stats: array<atomic<u32>>;
+@group(GROUP_OWN) @binding(BIND_FRAGMENT_STATS) var<storage, read_write> fragment_stats: array<atomic<u32>>;
 
-// A share of a depth by which it may differ from itself: compilers are free to round differently in the shaders that compute it.
+// A share of a depth by which it may differ from itself: compilers are free to round differently in the
+// shaders that compute it.
 const DEPTH_SLACK: f32 = 4.8e-7;
 
 struct TransparentFragment {

@@ -1,19 +1,20 @@
-// Calls visit_VISITOR for hits within [t_min, t_max], near boxes first; each triangle once. Twin of `traverse` in sheer_accel.
+// Calls visit_VISITOR for hits within [t_min, t_max], near boxes first; each triangle once. Twin of
+// `traverse` in sheer_accel.
 #import shared/accel_bvh
 #import shared/intersect
 #import shared/visit
 
 fn traverse_VISITOR(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32) {
-    if bvh_nodes.root == BVH_NONE || !is_traceable(origin, direction) {
+    if bvh_nodes.header.root == BVH_NONE || !is_traceable(origin, direction) {
         return;
     }
     let slabs = slabs_of(origin, direction, t_min);
     let ray = watertight_ray(origin, direction);
     var farthest = t_max;
-    // Bits of the distance at which the ray enters, which are ordered like the number, and the child. In the function, not
-    // shared with other traversals: a visitor may trace rays itself.
+    // Bits of the distance at which the ray enters, which are ordered like the number, and the child. In the
+    // function, not shared with other traversals: a visitor may trace rays itself.
     var stack: array<vec2u, BVH_STACK_SIZE>;
-    stack[0] = vec2u(bitcast<u32>(abs(slabs.t_min)), bvh_nodes.root);
+    stack[0] = vec2u(bitcast<u32>(abs(slabs.t_min)), bvh_nodes.header.root);
     var count = 1u;
     while count > 0u {
         count--;

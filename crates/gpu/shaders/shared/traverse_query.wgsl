@@ -1,7 +1,8 @@
 // Calls visit_VISITOR for hits within [t_min, t_max], in no promised order; each triangle once.
 //
-// The driver finds candidates; the numbers of a hit are ours (`barycentrics`), so that all paths see the same. The driver's
-// interval excludes its ends and its t rounds otherwise, so it gets a wider one. A hit at exactly the ray's origin is lost.
+// The driver finds candidates; the numbers of a hit are ours (`barycentrics`), so that all paths see the
+// same. The driver's interval excludes its ends and its t rounds otherwise, so it gets a wider one. A hit at
+// exactly the ray's origin is lost.
 #import shared/accel_query
 #import shared/intersect
 #import shared/visit
@@ -27,8 +28,8 @@ fn traverse_VISITOR(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32) {
             continue;
         }
         if hit.t > farthest {
-            // Nothing from here on matters to the driver either. Confirming the hit that ended the ray would lose others at
-            // its distance.
+            // Nothing from here on matters to the driver either. Confirming the hit that ended the ray would
+            // lose others at its distance.
             if hit.t > farthest * (1.0 + QUERY_SLACK) {
                 rayQueryConfirmIntersection(&query);
             }

@@ -1,6 +1,6 @@
-// All triangles of the frame as they are drawn, without vertex buffers, and what a fragment is: the hit of its pixel's ray with the triangle,
-// by the same arithmetic as on the ray path. So both paths see the same points, opacities and depths; what may differ is which pixels a
-// triangle covers at its edges.
+// All triangles of the frame as they are drawn, without vertex buffers, and what a fragment is: the hit of
+// its pixel's ray with the triangle, by the same arithmetic as on the ray path. So both paths see the same
+// points, opacities and depths; what may differ is which pixels a triangle covers at its edges.
 #import shared/alpha
 #import shared/camera
 #import shared/intersect

@@ -1,22 +1,21 @@
 // Vector arithmetic as glam and Rust's `f32` have it.
 
-// Squares of lengths whose reciprocal is a finite normal number; WGSL knows no infinity to test for.
-const LEAST_SQUARE: f32 = 1.17549435e-38;
-const GREATEST_SQUARE: f32 = 3.4028234e38;
-
-// (a + b) + c. WGSL lets compilers add the last two first, which rounds otherwise, and Mesa's does; through negations it does not.
+// (a + b) + c. WGSL lets compilers add the last two first, which rounds otherwise, and Mesa's does; through
+// negations it does not.
 fn sum_in_order(a: vec3f, b: vec3f, c: vec3f) -> vec3f {
     return -(-c - (a + b));
 }
 
-// WGSL's own may go by a reciprocal root, whose last bit would order surfaces that all but coincide in another way.
+// WGSL's own may go by a reciprocal root, whose last bit would order surfaces that all but coincide in
+// another way.
 fn normalized(vector: vec3f) -> vec3f {
     return vector * (1.0 / sqrt(dot(vector, vector)));
 }
 
 fn normalize_or(vector: vec3f, otherwise: vec3f) -> vec3f {
     let square = dot(vector, vector);
-    if square >= LEAST_SQUARE && square <= GREATEST_SQUARE {
+    // A length whose reciprocal is a finite normal number; WGSL knows no infinity to test for.
+    if square >= LEAST_NORMAL && square <= GREATEST {
         return normalized(vector);
     }
     return otherwise;

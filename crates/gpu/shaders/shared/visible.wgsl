@@ -2,7 +2,8 @@
 #import shared/triangles
 
 struct Visible {
-    // Triangle, which stands for instance and primitive; the weights of its second and third vertex, as bits; 1 for the front.
+    // Triangle, which stands for instance and primitive; the weights of its second and third vertex, as bits;
+    // 1 for the front.
     @location(0) surface: vec4u,
     @builtin(frag_depth) depth: f32,
 }

@@ -1,5 +1,5 @@
-// Temporal anti-aliasing: twin of crates/render/src/temporal/taa.rs (Salvi 2016; STD section 2.1, Eq. 2), its motion vectors aligned as in
-// align.rs there (STD section 3.3.1, Listing 5).
+// Temporal anti-aliasing: twin of crates/render/src/temporal/taa.rs (Salvi 2016; STD section 2.1, Eq. 2), its
+// motion vectors aligned as in align.rs there (STD section 3.3.1, Listing 5).
 #import shared/hash
 #import shared/temporal
 

@@ -11,6 +11,7 @@ use crate::{
         bind_group::read_only_entry,
         buffer::{check_limit, grown, storage_buffer},
     },
+    shader::binding::{BIND_ACCEL, BIND_ACCEL_TRIANGLES},
 };
 
 /// Custom data of an instance has 24 bits.
@@ -18,11 +19,12 @@ const CUSTOM_DATA_LIMIT: u64 = (1 << 24) - 1;
 
 const IDENTITY: [f32; 12] = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0];
 
-/// Bottom levels over the static and over the moving triangles of a frame, both in world, and a top level over the two.
+/// Bottom levels over the static and over the moving triangles of a frame, both in world, and a top level
+/// over the two.
 ///
-/// Triangles go to the driver along a Morton curve: Mesa's llvmpipe builds its tree in the order given, and is tens of times slower
-/// without. `order` in shared/accel_query.wgsl leads back. Triangles that the CPU's tree ignores
-/// ([`sheer_accel::is_kept`]) are left out.
+/// Triangles go to the driver along a Morton curve: Mesa's llvmpipe builds its tree in the order given, and
+/// is tens of times slower without. `order` in shared/accel_query.wgsl leads back. Triangles that the CPU's
+/// tree ignores ([`sheer_accel::is_kept`]) are left out.
 #[derive(Debug)]
 pub(crate) struct DriverAccel {
     top: wgpu::Tlas,
@@ -48,9 +50,9 @@ struct Bottom {
 
 /// The part of a frame that a bottom level is about to be built over.
 struct Build {
-    /// Of the frame's triangles.
+    /// Which of the frame's triangles it holds.
     range: Range<usize>,
-    /// Those that are kept, along the curve.
+    /// Indices of the triangles that are kept, along the Morton curve.
     order: Vec<u32>,
 }
 
@@ -71,9 +73,10 @@ impl DriverAccel {
         Ok(Self { top, fixed: None, moving: None, static_count: None, order, fixed_order: Vec::new() })
     }
 
-    /// Records the build for a frame. The first `static_count` triangles stay as they were at the last call with that
-    /// `static_count`, and are not built again. `positions` holds nine floats a triangle, has the usage
-    /// `BLAS_INPUT`, and is filled before the encoder's commands run. True if [`DriverAccel::entries`] gives another buffer than before.
+    /// Records the build for a frame. The first `static_count` triangles stay as they were at the last call
+    /// with that `static_count`, and are not built again. `positions` holds nine floats a triangle, has the
+    /// usage `BLAS_INPUT`, and is filled before the encoder's commands run. True if [`DriverAccel::entries`]
+    /// gives another buffer than before.
     ///
     /// # Errors
     /// [`GpuError::Limit`] when there are too many triangles; nothing is recorded then.
@@ -86,6 +89,7 @@ impl DriverAccel {
         triangles: &[[Vec3; 3]],
         static_count: usize,
     ) -> Result<bool, GpuError> {
+        // Which parts are built, and in which order their triangles go to the driver.
         let static_count = static_count.min(triangles.len());
         let fixed = (self.static_count != Some(static_count)).then(|| Build::new(triangles, 0..static_count));
         let moving = Build::new(triangles, static_count..triangles.len());
@@ -102,6 +106,7 @@ impl DriverAccel {
         let new_fixed = fixed.as_ref().map(|build| build.room(device, None, FIXED)).transpose()?;
         let new_moving = moving.room(device, self.moving.take(), MOVING)?;
 
+        // From here on nothing fails.
         let replaced = order.is_some();
         if let Some(order) = order {
             self.order = order;
@@ -113,6 +118,7 @@ impl DriverAccel {
         if let Some(build) = &fixed {
             (self.static_count, self.fixed_order) = (Some(static_count), build.order.clone());
         }
+        // Triangles of the primitives are sent where they or their buffer are new.
         if replaced || fixed.is_some() {
             queue.write_buffer(&self.order, 0, bytemuck::cast_slice(&self.fixed_order));
         }
@@ -171,20 +177,20 @@ impl DriverAccel {
         self.order.size() + bottoms.map(|bottom| bottom.indices.size()).sum::<u64>()
     }
 
-    /// What bindings 15 and 16 of group 0 hold.
+    /// What the bindings of acceleration structures in group 0 hold.
     pub(crate) fn entries(&self) -> [wgpu::BindGroupEntry<'_>; 2] {
         [
-            wgpu::BindGroupEntry { binding: 15, resource: self.top.as_binding() },
-            wgpu::BindGroupEntry { binding: 16, resource: self.order.as_entire_binding() },
+            wgpu::BindGroupEntry { binding: BIND_ACCEL, resource: self.top.as_binding() },
+            wgpu::BindGroupEntry { binding: BIND_ACCEL_TRIANGLES, resource: self.order.as_entire_binding() },
         ]
     }
 
-    /// The layout of bindings 15 and 16 of group 0.
+    /// The layout of the bindings of acceleration structures in group 0.
     pub(crate) fn layout_entries(visibility: wgpu::ShaderStages) -> [wgpu::BindGroupLayoutEntry; 2] {
         let ty = wgpu::BindingType::AccelerationStructure { vertex_return: false };
         [
-            wgpu::BindGroupLayoutEntry { binding: 15, visibility, ty, count: None },
-            read_only_entry(16, visibility),
+            wgpu::BindGroupLayoutEntry { binding: BIND_ACCEL, visibility, ty, count: None },
+            read_only_entry(BIND_ACCEL_TRIANGLES, visibility),
         ]
     }
 }
@@ -213,8 +219,8 @@ impl Build {
         triangles_of(self.range.len() as u32, self.order.len() as u32)
     }
 
-    /// A bottom level with room for the part: the old one if it has, else a new one, half again as large as the old. None
-    /// without triangles.
+    /// A bottom level with room for the part: the old one if it has, else a new one, half again as large as
+    /// the old. None without triangles.
     fn room(
         &self,
         device: &wgpu::Device,

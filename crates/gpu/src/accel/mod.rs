@@ -1,9 +1,9 @@
-//! What rays are traced through: the driver's own structure where the adapter has ray query, else the CPU's tree.
+//! What rays are traced through: the driver's own structure where the adapter has ray query, else the CPU's
+//! tree.
 //!
-//! Both are built over the triangles of a frame, and what never moves is built once. Shaders reach them by two bindings, whose
-//! meaning `shared/accel_query.wgsl` and `shared/accel_bvh.wgsl` declare, and give the same hits.
-
-use std::fmt::Write as _;
+//! Both are built over the triangles of a frame, and what never moves is built once. Shaders reach them by
+//! two bindings, whose meaning `shared/accel_query.wgsl` and `shared/accel_bvh.wgsl` declare, and give the
+//! same hits.
 
 use sheer_accel::{Bvh, PackedTree};
 use sheer_scene::Frame;
@@ -13,6 +13,7 @@ use self::{driver::DriverAccel, tree::TreeAccel};
 use crate::{
     device::{Gpu, Tracer},
     error::GpuError,
+    shader::constant::{self, Constant},
 };
 
 pub(crate) mod driver;
@@ -28,7 +29,8 @@ pub(crate) enum Accel {
 }
 
 impl Accel {
-    /// Builds the structure of the device's [`Tracer`]. `positions` holds the frame's triangles on the device.
+    /// Builds the structure of the device's [`Tracer`]. `positions` holds the frame's triangles on the
+    /// device.
     ///
     /// # Errors
     /// The device allows no structure of that size.
@@ -49,8 +51,8 @@ impl Accel {
         })
     }
 
-    /// Builds anew what has moved since the last frame of the same animator. True if [`Self::entries`] gives other buffers
-    /// than before.
+    /// Builds anew what has moved since the last frame of the same animator. True if [`Self::entries`] gives
+    /// other buffers than before.
     ///
     /// # Errors
     /// As [`Self::new`].
@@ -96,7 +98,7 @@ impl Accel {
         }
     }
 
-    /// Bindings 15 and 16 of group 0.
+    /// The structure's part of group 0.
     pub(crate) fn entries(&self) -> [wgpu::BindGroupEntry<'_>; 2] {
         match self {
             Self::Driver(accel) => accel.entries(),
@@ -110,7 +112,7 @@ pub(crate) fn constants() -> String {
     // Fusion and rounding err by 2^-24 of a product each; twice their sum is beyond doubt.
     let area_doubt = 2.0 * f32::EPSILON;
     // The driver's t and ours differ by some roundings; this is sixteen.
-    let query_slack = 1e-6;
+    let query_slack: f32 = 1e-6;
     let reals = [
         ("COORDINATE_LIMIT", PackedTree::COORDINATE_LIMIT),
         ("SPEED_LIMIT", PackedTree::SPEED_LIMIT),
@@ -127,13 +129,7 @@ pub(crate) fn constants() -> String {
         ("BVH_BLOCK", PackedTree::BLOCK),
         ("BVH_STACK_SIZE", PackedTree::STACK_SIZE),
     ];
-    let mut text = String::new();
-    for (name, value) in reals {
-        // `{:?}` prints the shortest decimal that reads back as the same bits.
-        writeln!(text, "const {name}: f32 = {value:?}f;").expect("a string takes any text");
-    }
-    for (name, value) in counts {
-        writeln!(text, "const {name}: u32 = {value}u;").expect("a string takes any text");
-    }
-    text
+    let reals = reals.into_iter().map(|(name, value)| Constant::new(name, value));
+    let counts = counts.into_iter().map(|(name, value)| Constant::new(name, value));
+    constant::text(&reals.chain(counts).collect::<Vec<_>>())
 }

@@ -8,22 +8,17 @@ use crate::{
         bind_group::{read_only_entry, whole},
         buffer::{grown, storage_buffer},
     },
+    shader::{
+        binding::{BIND_ACCEL, BIND_ACCEL_TRIANGLES},
+        record::tree::BvhHeader,
+    },
 };
 
-/// Bytes before the first node: the root's box and reference, see `BvhNodes` in shared/accel_bvh.wgsl.
-const HEADER_BYTES: u64 = size_of::<Header>() as u64;
+/// Bytes before the first node: the root's box and reference.
+const HEADER_BYTES: u64 = size_of::<BvhHeader>() as u64;
 
-/// What the shader reads before the nodes.
-#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
-#[repr(C)]
-struct Header {
-    lower: [f32; 3],
-    root: u32,
-    upper: [f32; 3],
-    unused: u32,
-}
-
-/// A [`Bvh`] on the device. Grows by half again, so that a scene whose triangle count rises seldom pays for new buffers.
+/// A [`Bvh`] on the device. Grows by half again, so that a scene whose triangle count rises seldom pays for
+/// new buffers.
 #[derive(Debug)]
 pub(crate) struct TreeAccel {
     nodes: wgpu::Buffer,
@@ -33,7 +28,7 @@ pub(crate) struct TreeAccel {
 }
 
 impl TreeAccel {
-    /// Uploads a tree.
+    /// Makes buffers for a tree and sends it whole.
     ///
     /// # Errors
     /// [`GpuError::Limit`] when it exceeds a buffer of the device.
@@ -48,11 +43,11 @@ impl TreeAccel {
         Ok(buffers)
     }
 
-    /// Uploads the tree of another frame: only what [`Bvh::rebuild_after`] has made anew. True if [`TreeAccel::entries`]
-    /// gives other buffers than before.
+    /// Uploads the tree of another frame: only what [`Bvh::rebuild_after`] has made anew. True if
+    /// [`TreeAccel::entries`] gives other buffers than before.
     ///
     /// # Errors
-    /// As [`TreeAccel::new`]; the old tree stays.
+    /// As [`TreeAccel::new`]; what lay on the device stays.
     pub(crate) fn update(
         &mut self,
         device: &wgpu::Device,
@@ -77,8 +72,7 @@ impl TreeAccel {
     }
 
     fn write(&mut self, queue: &wgpu::Queue, tree: &PackedTree<'_>) {
-        let header =
-            Header { lower: tree.lower.into(), root: tree.root, upper: tree.upper.into(), unused: 0 };
+        let header = BvhHeader { lower: tree.lower, root: tree.root, upper: tree.upper, padding: 0 };
         queue.write_buffer(&self.nodes, 0, bytemuck::bytes_of(&header));
         let is_kept = self.kept_id == Some(tree.kept_id);
         let (first_node, first_block) = if is_kept { (tree.kept_nodes, tree.kept_blocks) } else { (0, 0) };
@@ -92,14 +86,14 @@ impl TreeAccel {
         self.nodes.size() + self.blocks.size()
     }
 
-    /// What bindings 15 and 16 of group 0 hold.
+    /// What the bindings of acceleration structures in group 0 hold.
     pub(crate) fn entries(&self) -> [wgpu::BindGroupEntry<'_>; 2] {
-        [whole(15, &self.nodes), whole(16, &self.blocks)]
+        [whole(BIND_ACCEL, &self.nodes), whole(BIND_ACCEL_TRIANGLES, &self.blocks)]
     }
 
-    /// The layout of bindings 15 and 16 of group 0.
+    /// The layout of the bindings of acceleration structures in group 0.
     pub(crate) fn layout_entries(visibility: wgpu::ShaderStages) -> [wgpu::BindGroupLayoutEntry; 2] {
-        [15, 16].map(|binding| read_only_entry(binding, visibility))
+        [BIND_ACCEL, BIND_ACCEL_TRIANGLES].map(|binding| read_only_entry(binding, visibility))
     }
 }
 

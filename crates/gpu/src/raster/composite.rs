@@ -1,5 +1,5 @@
-//! Composites what a method has left of the transparent fragments over what is opaque: the last step of all methods but those of
-//! one shaded fragment.
+//! Composites what a method has left of the transparent fragments over what is opaque: the last step of all
+//! methods but those of one shaded fragment.
 
 use wgpu::ShaderStages;
 
@@ -8,10 +8,9 @@ use crate::{
     error::GpuError,
     recording::{Groups, Recording, compute_pipeline},
     resource::bind_group::{group, texture_entry, texture_in},
+    shader::binding::BIND_OPAQUE_SURFACES,
 };
 
-/// What the time of the pass is reported as.
-const STEP: &str = "behind";
 /// One shader for all methods, since it shades.
 const PIECE: &str = "pass/composite";
 
@@ -23,22 +22,30 @@ pub(super) struct Composite {
 }
 
 impl Composite {
+    /// What the time of the pass is reported as.
+    pub(super) const STEP: &str = "behind";
+
     pub(super) fn new(parts: &Parts<'_>, opaque: &Opaque) -> Result<Self, GpuError> {
         let device = parts.gpu.device();
-        let module = parts.gpu.shader(PIECE, parts.linker.link(PIECE)?)?;
+        let module = parts.gpu.shader(&parts.linker.link(PIECE)?)?;
         let (layout, group) = group(
             &device,
-            STEP,
-            &[texture_entry(0, ShaderStages::COMPUTE, wgpu::TextureSampleType::Uint, false)],
-            &[texture_in(0, &opaque.surface.view)],
+            Self::STEP,
+            &[texture_entry(
+                BIND_OPAQUE_SURFACES,
+                ShaderStages::COMPUTE,
+                wgpu::TextureSampleType::Uint,
+                false,
+            )],
+            &[texture_in(BIND_OPAQUE_SURFACES, &opaque.surface.view)],
         );
         let groups = [&parts.layouts.scene, &parts.layouts.pass, &layout];
-        let pipeline = compute_pipeline(&device, STEP, &groups, &module, "cs_composite");
+        let pipeline = compute_pipeline(&device, Self::STEP, &groups, &module, "cs_composite");
         parts.gpu.check(PIECE)?;
         Ok(Self { pipeline, group })
     }
 
     pub(super) fn record(&self, recording: &mut Recording<'_>, groups: &Groups<'_>) {
-        recording.for_each_pixel(STEP, &self.pipeline, groups, Some(&self.group));
+        recording.for_each_pixel(Self::STEP, &self.pipeline, groups, Some(&self.group));
     }
 }

@@ -16,7 +16,7 @@ pub(crate) struct Draw<'a> {
     pub(crate) targets: &'a [(TextureFormat, Option<BlendState>)],
     /// Which fragments pass the depth test; they write their depth.
     pub(crate) depth: Option<CompareFunction>,
-    /// Samples a pixel.
+    /// Samples that a pixel of the targets has.
     pub(crate) samples: u32,
 }
 

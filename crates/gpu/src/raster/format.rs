@@ -5,17 +5,18 @@ use wgpu::{BlendComponent, BlendFactor, BlendOperation, BlendState, Features, Te
 
 /// Format of a visibility buffer: triangle, two weights, side.
 pub(crate) const SURFACE_FORMAT: TextureFormat = TextureFormat::Rgba32Uint;
-/// Depths keep all bits of the distances they are made from.
+/// Format of depth buffers, which keep all bits of the distances that they are made from.
 pub(crate) const DEPTH_FORMAT: TextureFormat = TextureFormat::Depth32Float;
-/// No triangle.
+/// What a visibility buffer is cleared to: NONE in place of a triangle.
 pub(super) const NO_SURFACE: wgpu::Color = wgpu::Color { r: u32::MAX as f64, g: 0.0, b: 0.0, a: 0.0 };
 
-/// What the fragments for which there is no memory add up to: radiance times alpha, alpha; and their transmittance.
+/// What the fragments for which there is no memory add up to: radiance times alpha, alpha; and their
+/// transmittance.
 pub(super) const TAIL_FORMATS: [TextureFormat; 2] = [TextureFormat::Rgba16Float, TextureFormat::R16Float];
 
-/// Sums.
+/// Adds what a fragment brings to what the target holds.
 pub(super) const ADD: BlendState = same(BlendFactor::One, BlendFactor::One);
-/// Products of what was there with what comes.
+/// Multiplies what the target holds by what a fragment brings.
 pub(super) const MULTIPLY: BlendState = same(BlendFactor::Zero, BlendFactor::Src);
 
 const fn same(src_factor: BlendFactor, dst_factor: BlendFactor) -> BlendState {

@@ -19,13 +19,21 @@ use crate::{
         buffer::{pixel_buffer, storage_limit},
         target::Target,
     },
-    shader::Linker,
+    shader::{
+        Linker,
+        binding::{
+            BIND_LIST_HEADS, BIND_LIST_NODES, BIND_OPAQUE_SURFACES, BIND_TAIL_SUMS, BIND_TAIL_TRANSMITTANCE,
+        },
+        linked::Linked,
+        record::pixel::ListNode,
+    },
 };
 
-/// Nodes that the pool holds for each pixel of the picture, on average: more than most scenes fill, 256 bytes.
+/// Nodes that the pool holds for each pixel of the picture, on average: more than most scenes fill, 256
+/// bytes.
 const NODES_PER_PIXEL: u64 = 32;
-/// Triangle and next node.
-const NODE_BYTES: u64 = 8;
+/// What a fragment takes.
+const NODE_BYTES: u64 = size_of::<ListNode>() as u64;
 /// The first node; one more counts the nodes.
 const HEAD_BYTES: u64 = 4;
 
@@ -62,10 +70,13 @@ fn node_bytes_per_pixel(parts: &Parts<'_>) -> u64 {
 }
 
 impl Lists {
+    /// What the times of its passes are reported as, in their order, but for those of [`After`].
+    pub(super) const STEPS: [&str; 3] = [Opaque::STEP, "capture", "resolve"];
+
     pub(super) fn new(parts: &Parts<'_>, search: Search) -> Result<Self, GpuError> {
         let (piece, entry_point) = search.piece();
-        let text = Self::linker(parts.method_linker.clone(), search).link(piece)?;
-        let mut lists = Self::resolved_by(parts, [piece, entry_point], text)?;
+        let shader = Self::linker(parts.method_linker.clone(), search).link(piece)?;
+        let mut lists = Self::resolved_by(parts, entry_point, &shader)?;
         if search.is_pure() {
             lists.after = After::Shade(Shade::new(parts.gpu, parts.linker, parts.layouts)?);
         }
@@ -79,19 +90,16 @@ impl Lists {
     }
 
     /// With the shader of a plan for what becomes of the lists.
-    pub(super) fn planned(parts: &Parts<'_>, text: String) -> Result<Self, GpuError> {
-        let mut lists = Self::resolved_by(parts, [plan::PIECE, plan::ENTRY_POINT], text)?;
+    pub(super) fn planned(parts: &Parts<'_>, shader: &Linked) -> Result<Self, GpuError> {
+        let mut lists = Self::resolved_by(parts, plan::ENTRY_POINT, shader)?;
         lists.after = After::Composite(Composite::new(parts, &lists.opaque)?);
         Ok(lists)
     }
 
-    /// With a shader of the caller's for what becomes of the lists, by its piece and entry point.
-    fn resolved_by(
-        parts: &Parts<'_>,
-        [piece, entry_point]: [&str; 2],
-        text: String,
-    ) -> Result<Self, GpuError> {
+    /// With a shader of the caller's for what becomes of the lists, with its entry point.
+    fn resolved_by(parts: &Parts<'_>, entry_point: &str, shader: &Linked) -> Result<Self, GpuError> {
         let (gpu, device) = (parts.gpu, parts.gpu.device());
+        // Memory: the lists, and sums of the fragments that find the pool full.
         let opaque = Opaque::new(parts)?;
         let heads = pixel_buffer(
             parts.gpu,
@@ -114,17 +122,22 @@ impl Lists {
             Target::new(gpu, parts.size, "tail transmittance", transmittance, usage)?,
         ];
 
+        // The pass that fills the lists.
         let (fragment, compute) = (ShaderStages::FRAGMENT, ShaderStages::COMPUTE);
         let read_write = BufferBindingType::Storage { read_only: false };
         let read_only = BufferBindingType::Storage { read_only: true };
-        let buffers = [texture_in(0, &opaque.surface.view), whole(1, &heads), whole(2, &nodes)];
+        let buffers = [
+            texture_in(BIND_OPAQUE_SURFACES, &opaque.surface.view),
+            whole(BIND_LIST_HEADS, &heads),
+            whole(BIND_LIST_NODES, &nodes),
+        ];
         let layout = [
-            texture_entry(0, fragment, TextureSampleType::Uint, false),
-            buffer_entry(1, fragment, read_write),
-            buffer_entry(2, fragment, read_write),
+            texture_entry(BIND_OPAQUE_SURFACES, fragment, TextureSampleType::Uint, false),
+            buffer_entry(BIND_LIST_HEADS, fragment, read_write),
+            buffer_entry(BIND_LIST_NODES, fragment, read_write),
         ];
         let (capture_layout, capture_group) = group(&device, "capture", &layout, &buffers);
-        let module = gpu.shader("pass/capture", parts.linker.link("pass/capture")?)?;
+        let module = gpu.shader(&parts.linker.link("pass/capture")?)?;
         let capture = Draw {
             label: "capture",
             module: &module,
@@ -138,33 +151,38 @@ impl Lists {
         let capture = capture.build(parts);
         gpu.check("pass/capture")?;
 
+        // The pass that makes pixels of them.
         let unfilterable = TextureSampleType::Float { filterable: false };
         let layout = [
-            texture_entry(0, compute, TextureSampleType::Uint, false),
-            buffer_entry(1, compute, read_only),
-            buffer_entry(2, compute, read_only),
-            texture_entry(3, compute, unfilterable, false),
-            texture_entry(4, compute, unfilterable, false),
+            texture_entry(BIND_OPAQUE_SURFACES, compute, TextureSampleType::Uint, false),
+            buffer_entry(BIND_LIST_HEADS, compute, read_only),
+            buffer_entry(BIND_LIST_NODES, compute, read_only),
+            texture_entry(BIND_TAIL_SUMS, compute, unfilterable, false),
+            texture_entry(BIND_TAIL_TRANSMITTANCE, compute, unfilterable, false),
         ];
         let mut bindings = buffers.to_vec();
-        bindings.extend([texture_in(3, &tail[0].view), texture_in(4, &tail[1].view)]);
+        bindings.extend([
+            texture_in(BIND_TAIL_SUMS, &tail[0].view),
+            texture_in(BIND_TAIL_TRANSMITTANCE, &tail[1].view),
+        ]);
         let (resolve_layout, resolve_group) = group(&device, "resolve", &layout, &bindings);
-        let module = gpu.shader(piece, text)?;
+        let module = gpu.shader(shader)?;
         let groups = [&parts.layouts.scene, &parts.layouts.pass, &resolve_layout];
         let resolve = compute_pipeline(&device, "resolve", &groups, &module, entry_point);
-        gpu.check(piece)?;
+        gpu.check(&shader.piece)?;
         let after = After::Nothing;
         Ok(Self { opaque, capture, resolve, heads, nodes, tail, capture_group, resolve_group, after })
     }
 
     pub(super) fn record(&self, recording: &mut Recording<'_>, groups: &Groups<'_>) {
+        let [_, capture, resolve] = Self::STEPS;
         self.opaque.record(recording, groups);
         recording.encoder.clear_buffer(&self.heads, 0, None);
         let [sums, transmittance] = &self.tail;
         let targets =
             [Some(sums.cleared(wgpu::Color::TRANSPARENT)), Some(transmittance.cleared(wgpu::Color::WHITE))];
-        recording.draw("capture", &self.capture, groups, Some(&self.capture_group), &targets, None);
-        recording.for_each_pixel("resolve", &self.resolve, groups, Some(&self.resolve_group));
+        recording.draw(capture, &self.capture, groups, Some(&self.capture_group), &targets, None);
+        recording.for_each_pixel(resolve, &self.resolve, groups, Some(&self.resolve_group));
         match &self.after {
             After::Nothing => {}
             After::Shade(shade) => shade.record(recording, groups),

@@ -1,12 +1,25 @@
 //! The raster path: all triangles are drawn, pass after pass, without vertex buffers.
 //!
-//! Every method starts from the nearest opaque surface of each pixel or makes it itself. One-fragment methods go by a visibility buffer
-//! ([`visibility`]); those that need fragments in order by a list a pixel ([`list`]); those that take them in any order by
-//! what they say themselves ([`plan`]): lists, passes of their own ([`passes`]) or targets of several samples a pixel
-//! ([`multisample`]).
+//! A vertex shader takes its triangle from the buffers of the scene, and a fragment is the hit of its pixel's
+//! ray with that triangle, by the arithmetic of the ray path: so both paths see the same points, opacities
+//! and depths, and differ at most in which pixels a triangle covers at its edges.
+//!
+//! Every method starts from the nearest opaque surface of each pixel or makes it itself. One-fragment methods
+//! go by a visibility buffer ([`visibility`]); those that need fragments in order by a list a pixel
+//! ([`list`]); those that take them in any order by what they say themselves ([`plan`]): lists, passes of
+//! their own ([`passes`]) or targets of several samples a pixel ([`multisample`]). What differs from method
+//! to method is data or a piece of shader, so that no file here names one.
+//!
+//! Fragments are put together in front of the opaque surface by one pass for all ([`composite`]), since it
+//! shades.
+
+#[cfg(test)]
+use std::collections::BTreeSet;
 
 use sheer_render::{Method, Settings, contract::Raster};
 
+#[cfg(test)]
+use self::composite::Composite;
 pub(crate) use self::list::Lists;
 use self::{
     multisample::{MultisamplePasses, Sampling},
@@ -14,6 +27,8 @@ use self::{
     passes::DrawnPasses,
     visibility::Visibility,
 };
+#[cfg(test)]
+use crate::ray::Shade;
 use crate::{
     device::Gpu,
     error::GpuError,
@@ -50,6 +65,10 @@ pub(crate) struct RasterPath {
 }
 
 impl RasterPath {
+    /// The most storage buffers that a pass binds in group 2: heads and nodes of lists, or the two chains of
+    /// the k-buffer.
+    pub(crate) const MOST_OWN_STORAGE_BUFFERS: u32 = 2;
+
     pub(crate) fn new(
         gpu: &Gpu,
         method: &Method,
@@ -70,6 +89,25 @@ impl RasterPath {
         Ok(Self { technique })
     }
 
+    /// The steps of a method, in their order and each once.
+    #[cfg(test)]
+    pub(crate) fn steps(method: &Method) -> Result<Vec<&'static str>, GpuError> {
+        let search = Search::of(method);
+        let mut steps = match search {
+            Some(search) if !search.needs_order() => Visibility::STEPS.to_vec(),
+            Some(search) if search.is_pure() => [&Lists::STEPS[..], &[Shade::STEP]].concat(),
+            Some(_) => Lists::STEPS.to_vec(),
+            None => match plan::raster_of(method)? {
+                Some(Raster::Passes(passes)) => DrawnPasses::steps(&passes),
+                Some(Raster::Multisample(_)) => MultisamplePasses::STEPS.to_vec(),
+                _ => [&Lists::STEPS[..], &[Composite::STEP]].concat(),
+            },
+        };
+        let mut seen = BTreeSet::new();
+        steps.retain(|step| seen.insert(*step));
+        Ok(steps)
+    }
+
     fn unordered(parts: &Parts<'_>, method: &Method) -> Result<Technique, GpuError> {
         let Some(raster) = plan::raster_of(method)? else {
             return Err(GpuError::Unsupported {
@@ -79,10 +117,12 @@ impl RasterPath {
         };
         let linker = parts.method_linker.clone();
         Ok(match raster {
-            Raster::Lists => Technique::Lists(Box::new(Lists::planned(parts, plan::link(&raster, linker)?)?)),
+            Raster::Lists => {
+                Technique::Lists(Box::new(Lists::planned(parts, &plan::link(&raster, linker)?)?))
+            }
             Raster::Passes(passes) => {
-                let text = plan::link(&Raster::Passes(passes.clone()), linker)?;
-                Technique::Passes(Box::new(DrawnPasses::new(parts, passes, text)?))
+                let shader = plan::link(&Raster::Passes(passes.clone()), linker)?;
+                Technique::Passes(Box::new(DrawnPasses::new(parts, passes, &shader)?))
             }
             Raster::Multisample(multisample) => {
                 let sampling = Sampling::new(multisample, parts.gpu.report())?;

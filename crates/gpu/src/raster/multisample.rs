@@ -1,15 +1,18 @@
 //! Stochastic transparency (ST) on targets of several samples a pixel.
 //!
-//! A round draws all transparent fragments twice: the first pass keeps the nearest depth that chance leaves in each sample, the second adds
-//! up the light of all fragments in the samples that do not hide them. Before the first round one pass multiplies up the total alpha.
-//! `estimator=basic` keeps colours in the first pass and needs no second.
+//! A round draws all transparent fragments twice: the first pass keeps the nearest depth that chance leaves
+//! in each sample, the second adds up the light of all fragments in the samples that do not hide them. Before
+//! the first round one pass multiplies up the total alpha. `estimator=basic` keeps colours in the first pass
+//! and needs no second.
 //!
-//! Samples are the hardware's, 4 or 8 a pixel. The method's become rounds of as many, with R split over the rounds: `samples=8` on a device
-//! that has 4 is the CPU's `samples=4,passes=2`. They lie where the hardware has them, spread over the pixel as `placement=box` wants; the
-//! CPU's default is the centre. The two differ only where a triangle covers a part of a pixel. What is opaque has one sample a pixel, in its
-//! centre, in any case.
+//! Samples are the hardware's, 4 or 8 a pixel. The method's become rounds of as many, with R split over the
+//! rounds: `samples=8` on a device that has 4 is the CPU's `samples=4,passes=2`. They lie where the hardware
+//! has them, spread over the pixel as `placement=box` wants; the CPU's default is the centre. The two differ
+//! only where a triangle covers a part of a pixel. What is opaque has one sample a pixel, in its centre, in
+//! any case.
 //!
-//! Deviations from the CPU: a fragment has one depth for all samples, and of two at exactly the same depth neither hides the other.
+//! Deviations from the CPU: a fragment has one depth for all samples, and of two at exactly the same depth
+//! neither hides the other.
 
 use sheer_render::{
     Method,
@@ -36,12 +39,20 @@ use crate::{
         buffer::{buffer, pixel_buffer},
         target::Target,
     },
+    shader::{
+        binding::{
+            BIND_DEPTH_MAP, BIND_ENDED_ROUNDS, BIND_FRAGMENT_STATS, BIND_OPAQUE_SURFACES, BIND_ROUND,
+            BIND_ROUND_TARGETS, BIND_TOTAL_TRANSMITTANCE,
+        },
+        constant::{self, Constant},
+        record::pixel::{FragmentStats, Round, RoundSums},
+    },
 };
 
-/// Words a pixel of shaders/shared/fragment_stats.wgsl.
-const STATS_BYTES: u64 = 4 * 5;
-/// `Sums` of shaders/pass/stochastic_resolve.wgsl.
-const SUMS_BYTES: u64 = 32;
+/// What the fragments of a pixel leave for those that come after them.
+const STATS_BYTES: u64 = size_of::<FragmentStats>() as u64;
+/// What a pixel keeps of the rounds that have ended.
+const SUMS_BYTES: u64 = size_of::<RoundSums>() as u64;
 /// Radiance times alpha and alpha, or a colour and a 1.
 const SUMS_FORMAT: TextureFormat = TextureFormat::Rgba16Float;
 /// The product of transmittances.
@@ -111,7 +122,8 @@ impl Sampling {
         text.parse().expect("keys and values are those of the method")
     }
 
-    /// Winners alone have no pass after the first that could tell which of all fragments is the furthest: this one does both.
+    /// Winners alone have no pass after the first that could tell which of all fragments is the furthest:
+    /// this one does both.
     fn has_total_alpha(self) -> bool {
         self.is_corrected || self.keeps_colour()
     }
@@ -123,16 +135,15 @@ impl Sampling {
 
     /// Emitted for the method's shaders.
     pub(crate) fn constants(self) -> String {
-        let Self { rounds, is_corrected, .. } = self;
-        let has_total_alpha = self.has_total_alpha();
-        format!("const ROUND_COUNT: u32 = {rounds}u;\n")
-            + &format!(
-                "const HAS_TOTAL_ALPHA: bool = {has_total_alpha};\nconst IS_CORRECTED: bool = {is_corrected};\n"
-            )
+        constant::text(&[
+            Constant::new("ROUND_COUNT", self.rounds),
+            Constant::new("HAS_TOTAL_ALPHA", self.has_total_alpha()),
+            Constant::new("IS_CORRECTED", self.is_corrected),
+        ])
     }
 }
 
-/// The passes of the method.
+/// The passes of a round and of a frame, and the memory that they share.
 #[derive(Debug)]
 pub(super) struct MultisamplePasses {
     sampling: Sampling,
@@ -141,9 +152,9 @@ pub(super) struct MultisamplePasses {
     fragment_stats: wgpu::Buffer,
     ended_rounds: wgpu::Buffer,
     total_alpha: wgpu::RenderPipeline,
-    /// Depths, or colours of winners.
+    /// Keeps depths by chance or, for `estimator=basic`, the colours of those that win.
     keep: wgpu::RenderPipeline,
-    /// None of winners.
+    /// Not made for `estimator=basic`, whose first pass keeps colours.
     accumulate: Option<wgpu::RenderPipeline>,
     end_round: wgpu::ComputePipeline,
     resolve: wgpu::ComputePipeline,
@@ -184,12 +195,20 @@ impl Targets {
 }
 
 fn depth_entry(stage: ShaderStages) -> BindGroupLayoutEntry {
-    texture_entry(3, stage, TextureSampleType::Depth, true)
+    texture_entry(BIND_DEPTH_MAP, stage, TextureSampleType::Depth, true)
 }
 
 impl MultisamplePasses {
+    /// What the times of its passes are reported as, in their order. Where samples keep colours that takes
+    /// the place of depths, and nothing is accumulated.
+    pub(super) const STEPS: [&str; 6] =
+        [Opaque::STEP, "total alpha", "stochastic depth", "accumulate", "composite", Composite::STEP];
+    /// The step in which samples keep colours.
+    const COLOUR_STEP: &str = "stochastic colour";
+
     pub(super) fn new(parts: &Parts<'_>, sampling: Sampling) -> Result<Self, GpuError> {
         let device = parts.gpu.device();
+        // Memory that all rounds share.
         let opaque = Opaque::new(parts)?;
         let targets = Targets::new(parts, sampling)?;
         let fragment_stats = pixel_buffer(
@@ -208,16 +227,20 @@ impl MultisamplePasses {
             BufferUsages::COPY_DST,
         )?;
 
+        // What each round binds: the same but for its number.
         let round_numbers = RoundNumbers::new(parts, sampling.rounds);
         let mut layouts = None;
         let mut rounds = Vec::new();
         for round in 0..sampling.rounds {
-            let shared =
-                [texture_in(0, &opaque.surface.view), round_numbers.entry(round), whole(2, &fragment_stats)];
+            let shared = [
+                texture_in(BIND_OPAQUE_SURFACES, &opaque.surface.view),
+                round_numbers.entry(round),
+                whole(BIND_FRAGMENT_STATS, &fragment_stats),
+            ];
             let [keep_layout, accumulate_layout] = drawing_layouts();
             let (keep_layout, keep) = group(&device, "stochastic", &keep_layout, &shared);
             let with_depth: Vec<BindGroupEntry<'_>> =
-                shared.into_iter().chain([texture_in(3, &targets.depth.view)]).collect();
+                shared.into_iter().chain([texture_in(BIND_DEPTH_MAP, &targets.depth.view)]).collect();
             let (accumulate_layout, accumulate) =
                 group(&device, "accumulate", &accumulate_layout, &with_depth);
             rounds.push(RoundGroups { keep, accumulate });
@@ -226,7 +249,9 @@ impl MultisamplePasses {
         let Some((keep_layout, accumulate_layout)) = layouts else {
             unreachable!("there is a round at least")
         };
-        let [total_alpha, keep, accumulate] = drawing(parts, sampling, [&keep_layout, &accumulate_layout])?;
+        // Pipelines of the passes, from fragments to pixels.
+        let Drawing { total_alpha, keep, accumulate } =
+            drawing(parts, sampling, [&keep_layout, &accumulate_layout])?;
         let (resolve_layout, resolve_group) =
             resolve_group(&device, &targets, [&fragment_stats, &ended_rounds]);
         let composite = Composite::new(parts, &opaque)?;
@@ -239,7 +264,7 @@ impl MultisamplePasses {
             ended_rounds,
             total_alpha,
             keep,
-            accumulate: (!sampling.keeps_colour()).then_some(accumulate),
+            accumulate,
             end_round,
             resolve,
             composite,
@@ -249,6 +274,7 @@ impl MultisamplePasses {
     }
 
     pub(super) fn record(&self, recording: &mut Recording<'_>, groups: &Groups<'_>) {
+        let [_, total_alpha, stochastic_depth, accumulate_step, resolve, _] = Self::STEPS;
         let Targets { depth, sums, transmittance } = &self.targets;
         self.opaque.record(recording, groups);
         recording.encoder.clear_buffer(&self.fragment_stats, 0, None);
@@ -256,23 +282,23 @@ impl MultisamplePasses {
         if self.sampling.has_total_alpha() {
             let targets = [Some(transmittance.cleared(wgpu::Color::WHITE))];
             let own = Some(&self.rounds[0].keep);
-            recording.draw("total alpha", &self.total_alpha, groups, own, &targets, None);
+            recording.draw(total_alpha, &self.total_alpha, groups, own, &targets, None);
         }
         for (index, round) in self.rounds.iter().enumerate() {
             if index > 0 {
                 let own = Some(&self.resolve_group);
-                recording.for_each_pixel("composite", &self.end_round, groups, own);
+                recording.for_each_pixel(resolve, &self.end_round, groups, own);
             }
             let sums = [Some(sums.cleared(wgpu::Color::TRANSPARENT))];
             let depth = Some(depth.cleared_depth());
             let Some(accumulate) = &self.accumulate else {
-                recording.draw("stochastic colour", &self.keep, groups, Some(&round.keep), &sums, depth);
+                recording.draw(Self::COLOUR_STEP, &self.keep, groups, Some(&round.keep), &sums, depth);
                 continue;
             };
-            recording.draw("stochastic depth", &self.keep, groups, Some(&round.keep), &[], depth);
-            recording.draw("accumulate", accumulate, groups, Some(&round.accumulate), &sums, None);
+            recording.draw(stochastic_depth, &self.keep, groups, Some(&round.keep), &[], depth);
+            recording.draw(accumulate_step, accumulate, groups, Some(&round.accumulate), &sums, None);
         }
-        recording.for_each_pixel("composite", &self.resolve, groups, Some(&self.resolve_group));
+        recording.for_each_pixel(resolve, &self.resolve, groups, Some(&self.resolve_group));
         self.composite.record(recording, groups);
     }
 
@@ -288,47 +314,66 @@ impl MultisamplePasses {
 fn drawing_layouts() -> [Vec<BindGroupLayoutEntry>; 2] {
     let stage = ShaderStages::FRAGMENT;
     let keep = vec![
-        texture_entry(0, stage, TextureSampleType::Uint, false),
-        buffer_entry(1, stage, BufferBindingType::Uniform),
-        buffer_entry(2, stage, BufferBindingType::Storage { read_only: false }),
+        texture_entry(BIND_OPAQUE_SURFACES, stage, TextureSampleType::Uint, false),
+        buffer_entry(BIND_ROUND, stage, BufferBindingType::Uniform),
+        buffer_entry(BIND_FRAGMENT_STATS, stage, BufferBindingType::Storage { read_only: false }),
     ];
     let mut accumulate = keep.clone();
     accumulate.push(depth_entry(stage));
     [keep, accumulate]
 }
 
-/// Pipelines of the total alpha, of what is kept by chance, and of the accumulation.
+/// Pipelines of the passes that draw all transparent fragments.
+struct Drawing {
+    total_alpha: wgpu::RenderPipeline,
+    keep: wgpu::RenderPipeline,
+    accumulate: Option<wgpu::RenderPipeline>,
+}
+
 fn drawing(
     parts: &Parts<'_>,
     sampling: Sampling,
     [keep, accumulate]: [&wgpu::BindGroupLayout; 2],
-) -> Result<[wgpu::RenderPipeline; 3], GpuError> {
+) -> Result<Drawing, GpuError> {
     let linker = parts.method_linker.clone().constants(sampling.constants());
-    let (masks, sums) = ("pass/stochastic", "pass/stochastic_accumulate");
-    let masks = parts.gpu.shader(masks, linker.link(masks)?)?;
-    let sums = parts.gpu.shader(sums, parts.linker.link(sums)?)?;
-    let draw = |label, module, fragment, group, targets, depth| Draw {
+    let masks = parts.gpu.shader(&linker.link("pass/stochastic")?)?;
+    let draw = |label, fragment, targets, depth| Draw {
         label,
-        module,
+        module: &masks,
         vertex: "vs_transparent",
         fragment,
-        group: Some(group),
+        group: Some(keep),
         targets,
         depth,
         samples: sampling.samples,
     };
+    // Total alpha, then what is kept by chance: depths, or the colours of winners.
+    let total_alpha =
+        draw("total alpha", "fs_total_alpha", &[(TRANSMITTANCE_FORMAT, Some(MULTIPLY))], None).build(parts);
     let nearest = Some(CompareFunction::Less);
     let winners = [(SUMS_FORMAT, None)];
     let (entry, targets) =
         if sampling.keeps_colour() { ("fs_colour", &winners[..]) } else { ("fs_depth", &[][..]) };
-    let pipelines = [
-        draw("total alpha", &masks, "fs_total_alpha", keep, &[(TRANSMITTANCE_FORMAT, Some(MULTIPLY))], None),
-        draw("stochastic masks", &masks, entry, keep, targets, nearest),
-        draw("accumulate", &sums, "fs_accumulate", accumulate, &[(SUMS_FORMAT, Some(ADD))], None),
-    ];
-    let pipelines = pipelines.map(|draw| draw.build(parts));
+    let keep = draw("stochastic masks", entry, targets, nearest).build(parts);
+    // Winners are shaded already: their second pass would be compiled for nothing.
+    let accumulate = if sampling.keeps_colour() {
+        None
+    } else {
+        let sums = parts.gpu.shader(&parts.linker.link("pass/stochastic_accumulate")?)?;
+        let draw = Draw {
+            label: "accumulate",
+            module: &sums,
+            vertex: "vs_transparent",
+            fragment: "fs_accumulate",
+            group: Some(accumulate),
+            targets: &[(SUMS_FORMAT, Some(ADD))],
+            depth: None,
+            samples: sampling.samples,
+        };
+        Some(draw.build(parts))
+    };
     parts.gpu.check("what stochastic transparency draws")?;
-    Ok(pipelines)
+    Ok(Drawing { total_alpha, keep, accumulate })
 }
 
 fn resolve_group(
@@ -340,13 +385,19 @@ fn resolve_group(
     let samples =
         |binding| texture_entry(binding, stage, TextureSampleType::Float { filterable: false }, true);
     let buffer = |binding, read_only| buffer_entry(binding, stage, BufferBindingType::Storage { read_only });
-    let layout = [buffer(2, true), depth_entry(stage), samples(4), samples(5), buffer(6, false)];
+    let layout = [
+        buffer(BIND_FRAGMENT_STATS, true),
+        depth_entry(stage),
+        samples(BIND_ROUND_TARGETS),
+        samples(BIND_TOTAL_TRANSMITTANCE),
+        buffer(BIND_ENDED_ROUNDS, false),
+    ];
     let entries = [
-        whole(2, fragment_stats),
-        texture_in(3, &targets.depth.view),
-        texture_in(4, &targets.sums.view),
-        texture_in(5, &targets.transmittance.view),
-        whole(6, ended_rounds),
+        whole(BIND_FRAGMENT_STATS, fragment_stats),
+        texture_in(BIND_DEPTH_MAP, &targets.depth.view),
+        texture_in(BIND_ROUND_TARGETS, &targets.sums.view),
+        texture_in(BIND_TOTAL_TRANSMITTANCE, &targets.transmittance.view),
+        whole(BIND_ENDED_ROUNDS, ended_rounds),
     ];
     group(device, "stochastic resolve", &layout, &entries)
 }
@@ -360,7 +411,7 @@ fn resolving(
     let piece = "pass/stochastic_resolve";
     // Without the method: so that its parameters make no other shader of it.
     let linker = parts.linker.clone().constants(sampling.constants());
-    let module = parts.gpu.shader(piece, linker.link(piece)?)?;
+    let module = parts.gpu.shader(&linker.link(piece)?)?;
     let groups = [&parts.layouts.scene, &parts.layouts.pass, own];
     let pipelines = ["cs_end_round", "cs_resolve"]
         .map(|entry| compute_pipeline(&parts.gpu.device(), "stochastic resolve", &groups, &module, entry));
@@ -383,8 +434,9 @@ impl RoundNumbers {
         let stride = u64::from(device.limits().min_uniform_buffer_offset_alignment).max(Self::BYTES);
         let usage = BufferUsages::UNIFORM | BufferUsages::COPY_DST;
         let buffer = buffer(&device, "rounds", stride * u64::from(rounds), usage);
-        for round in 0..rounds {
-            parts.gpu.queue().write_buffer(&buffer, stride * u64::from(round), bytemuck::bytes_of(&round));
+        for index in 0..rounds {
+            let offset = stride * u64::from(index);
+            parts.gpu.queue().write_buffer(&buffer, offset, bytemuck::bytes_of(&Round { index }));
         }
         Self { buffer, stride }
     }
@@ -395,6 +447,6 @@ impl RoundNumbers {
             offset: self.stride * u64::from(round),
             size: wgpu::BufferSize::new(Self::BYTES),
         };
-        BindGroupEntry { binding: 1, resource: wgpu::BindingResource::Buffer(binding) }
+        BindGroupEntry { binding: BIND_ROUND, resource: wgpu::BindingResource::Buffer(binding) }
     }
 }

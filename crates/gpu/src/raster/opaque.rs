@@ -22,10 +22,13 @@ pub(crate) struct Opaque {
 }
 
 impl Opaque {
+    /// What the time of the pass is reported as.
+    pub(super) const STEP: &str = "opaque";
+
     pub(crate) fn new(parts: &Parts<'_>) -> Result<Self, GpuError> {
-        let module = parts.gpu.shader("pass/opaque", parts.linker.link("pass/opaque")?)?;
+        let module = parts.gpu.shader(&parts.linker.link("pass/opaque")?)?;
         let pipeline = Draw {
-            label: "opaque",
+            label: Self::STEP,
             module: &module,
             vertex: "vs_all",
             fragment: "fs_opaque",
@@ -50,6 +53,6 @@ impl Opaque {
 
     pub(crate) fn record(&self, recording: &mut Recording<'_>, groups: &Groups<'_>) {
         let targets = [Some(self.surface.cleared(NO_SURFACE))];
-        recording.draw("opaque", &self.pipeline, groups, None, &targets, Some(self.depth.cleared_depth()));
+        recording.draw(Self::STEP, &self.pipeline, groups, None, &targets, Some(self.depth.cleared_depth()));
     }
 }

@@ -14,7 +14,6 @@ use super::{
     format::{DEPTH_FORMAT, blend_features, blend_state, texture_format},
     opaque::Opaque,
     parts::Parts,
-    plan,
 };
 use crate::{
     error::GpuError,
@@ -24,16 +23,17 @@ use crate::{
         buffer::pixel_buffer,
         target::Target,
     },
+    shader::{binding::BIND_OPAQUE_SURFACES, linked::Linked},
 };
 
-/// The passes of a method, ready to be recorded.
+/// The passes of a method, ready to be recorded, and the resources that they ask for.
 #[derive(Debug)]
 pub(super) struct DrawnPasses {
     opaque: Opaque,
     resources: Vec<DeviceResource>,
-    /// By entry point.
+    /// One for each entry point that a step names.
     programs: BTreeMap<&'static str, Program>,
-    /// With their bindings of group 2.
+    /// The steps in their order, each with what it binds in group 2.
     steps: Vec<(Step, wgpu::BindGroup)>,
     composite: Composite,
 }
@@ -48,7 +48,7 @@ enum DeviceResource {
 /// An entry point, ready to run.
 #[derive(Debug)]
 struct Program {
-    /// Of group 2.
+    /// The layout of group 2.
     layout: wgpu::BindGroupLayout,
     pipeline: Runnable,
 }
@@ -133,7 +133,8 @@ impl Program {
             Work::Draw { .. } => ShaderStages::FRAGMENT,
             Work::Pixels => ShaderStages::COMPUTE,
         };
-        let mut entries = vec![texture_entry(0, stage, wgpu::TextureSampleType::Uint, false)];
+        let mut entries =
+            vec![texture_entry(BIND_OPAQUE_SURFACES, stage, wgpu::TextureSampleType::Uint, false)];
         entries
             .extend(step.bound.iter().map(|&(binding, index)| resources[index].layout_entry(binding, stage)));
         let layout = layout(&device, step.entry_point, &entries);
@@ -179,8 +180,8 @@ fn blending_features(steps: &[Step], resources: &[DeviceResource]) -> Features {
 }
 
 impl DrawnPasses {
-    /// `text` is the shader with the entry points that the passes name.
-    pub(super) fn new(parts: &Parts<'_>, passes: Passes, text: String) -> Result<Self, GpuError> {
+    /// `shader` has the entry points that the passes name.
+    pub(super) fn new(parts: &Parts<'_>, passes: Passes, shader: &Linked) -> Result<Self, GpuError> {
         let Passes { resources, steps, .. } = passes;
         let opaque = Opaque::new(parts)?;
         let made = resources.into_iter().map(|resource| DeviceResource::new(parts, resource));
@@ -192,7 +193,7 @@ impl DrawnPasses {
                 instead: "take another method, or --backend cpu".to_owned(),
             });
         }
-        let module = parts.gpu.shader(plan::PIECE, text)?;
+        let module = parts.gpu.shader(shader)?;
         let mut programs = BTreeMap::new();
         for step in &steps {
             if !programs.contains_key(step.entry_point) {
@@ -200,14 +201,14 @@ impl DrawnPasses {
             }
         }
         let with_group = |step: Step| {
-            let mut entries = vec![texture_in(0, &opaque.surface.view)];
+            let mut entries = vec![texture_in(BIND_OPAQUE_SURFACES, &opaque.surface.view)];
             entries.extend(step.bound.iter().map(|&(binding, index)| resources[index].entry(binding)));
             let layout = &programs[step.entry_point].layout;
             let group = group_of(&parts.gpu.device(), step.name, layout, &entries);
             (step, group)
         };
         let steps = steps.into_iter().map(with_group).collect();
-        parts.gpu.check(plan::PIECE)?;
+        parts.gpu.check(&shader.piece)?;
         let composite = Composite::new(parts, &opaque)?;
         Ok(Self { opaque, resources, programs, steps, composite })
     }
@@ -237,6 +238,13 @@ impl DrawnPasses {
             }
         }
         self.composite.record(recording, groups);
+    }
+
+    /// What the times of the passes are reported as, in their order.
+    #[cfg(test)]
+    pub(super) fn steps(passes: &Passes) -> Vec<&'static str> {
+        let own = passes.steps.iter().map(|step| step.name);
+        [Opaque::STEP].into_iter().chain(own).chain([Composite::STEP]).collect()
     }
 
     /// Bytes of everything that the passes ask for.

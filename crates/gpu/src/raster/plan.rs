@@ -1,7 +1,9 @@
-//! How a method is drawn, as it says itself: [`Raster`]. [`DrawnPasses`](super::passes::DrawnPasses) carries passes out.
+//! How a method is drawn, as it says itself: [`Raster`]. [`DrawnPasses`](super::passes::DrawnPasses) carries
+//! passes out.
 //!
-//! Shaders are in `shaders/method/<id>.wgsl`; `composited` there says what becomes of a pixel in `shaders/pass/front.wgsl`,
-//! always the last step. [`Composite`](super::composite::Composite) comes after it.
+//! Shaders are in `shaders/method/<id>.wgsl`; `composited` there says what becomes of a pixel in
+//! `shaders/pass/front.wgsl`, always the last step. [`Composite`](super::composite::Composite) comes after
+//! it.
 
 use sheer_render::{
     Method,
@@ -12,11 +14,11 @@ use sheer_render::{
 
 use crate::{
     error::GpuError,
-    shader::{Linker, constants::of_constant},
+    shader::{Linker, constants::of_constant, linked::Linked},
 };
 
 /// All methods are linked into this piece; it imports their own as `method`.
-pub(super) const PIECE: &str = "pass/front";
+const PIECE: &str = "pass/front";
 /// The entry point of the last step.
 pub(super) const ENTRY_POINT: &str = Step::FINAL_ENTRY_POINT;
 
@@ -59,7 +61,7 @@ pub(crate) fn raster_of(method: &Method) -> Result<Option<Raster>, GpuError> {
 }
 
 /// The shader of a method that has all entry points of its steps.
-pub(crate) fn link(raster: &Raster, linker: Linker) -> Result<String, GpuError> {
+pub(crate) fn link(raster: &Raster, linker: Linker) -> Result<Linked, GpuError> {
     let constants = match raster {
         Raster::Lists | Raster::Multisample(_) => &[][..],
         Raster::Passes(passes) => &passes.constants,

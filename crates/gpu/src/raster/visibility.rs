@@ -16,10 +16,14 @@ use crate::{
         buffer::pixel_buffer,
         target::Target,
     },
+    shader::{
+        binding::{BIND_TESTED, BIND_VISIBLE_SURFACES},
+        record::pixel::Tested,
+    },
 };
 
-/// Of each pixel: distance of the nearest partly transparent fragment, and how many were tested.
-const TESTED_BYTES: u64 = 8;
+/// What a pixel keeps of the fragments that were tested.
+const TESTED_BYTES: u64 = size_of::<Tested>() as u64;
 
 /// The passes of a threshold method.
 #[derive(Debug)]
@@ -35,6 +39,9 @@ pub(super) struct Visibility {
 }
 
 impl Visibility {
+    /// What the times of its passes are reported as, in their order.
+    pub(super) const STEPS: [&str; 3] = ["visibility", "collect", Shade::STEP];
+
     pub(super) fn new(parts: &Parts<'_>) -> Result<Self, GpuError> {
         let (gpu, device) = (parts.gpu, parts.gpu.device());
         let fragment = ShaderStages::FRAGMENT;
@@ -52,9 +59,13 @@ impl Visibility {
             BufferUsages::COPY_DST,
         )?;
 
-        let (draw_layout, draw_group) =
-            group(&device, "visibility", &[buffer_entry(0, fragment, read_write)], &[whole(0, &tested)]);
-        let module = gpu.shader("pass/visibility", parts.method_linker.link("pass/visibility")?)?;
+        let (draw_layout, draw_group) = group(
+            &device,
+            "visibility",
+            &[buffer_entry(BIND_TESTED, fragment, read_write)],
+            &[whole(BIND_TESTED, &tested)],
+        );
+        let module = gpu.shader(&parts.method_linker.link("pass/visibility")?)?;
         let draw = Draw {
             label: "visibility",
             module: &module,
@@ -73,11 +84,14 @@ impl Visibility {
         let (collect_layout, collect_group) = group(
             &device,
             "collect",
-            &[texture_entry(0, compute, uint, false), buffer_entry(1, compute, read_only)],
-            &[texture_in(0, &surface.view), whole(1, &tested)],
+            &[
+                texture_entry(BIND_VISIBLE_SURFACES, compute, uint, false),
+                buffer_entry(BIND_TESTED, compute, read_only),
+            ],
+            &[texture_in(BIND_VISIBLE_SURFACES, &surface.view), whole(BIND_TESTED, &tested)],
         );
         let linker = parts.method_linker.clone().alias("find", "pass/find_visible");
-        let module = gpu.shader("pass/find", linker.link("pass/find")?)?;
+        let module = gpu.shader(&linker.link("pass/find")?)?;
         let groups = [&parts.layouts.scene, &parts.layouts.pass, &collect_layout];
         let collect = compute_pipeline(&device, "collect", &groups, &module, "cs_find");
         gpu.check("pass/find")?;
@@ -86,11 +100,12 @@ impl Visibility {
     }
 
     pub(super) fn record(&self, recording: &mut Recording<'_>, groups: &Groups<'_>) {
+        let [draw, collect, _] = Self::STEPS;
         recording.encoder.clear_buffer(&self.tested, 0, None);
         let targets = [Some(self.surface.cleared(NO_SURFACE))];
         let depth = Some(self.depth.cleared_depth());
-        recording.draw("visibility", &self.draw, groups, Some(&self.draw_group), &targets, depth);
-        recording.for_each_pixel("collect", &self.collect, groups, Some(&self.collect_group));
+        recording.draw(draw, &self.draw, groups, Some(&self.draw_group), &targets, depth);
+        recording.for_each_pixel(collect, &self.collect, groups, Some(&self.collect_group));
         self.shade.record(recording, groups);
     }
 

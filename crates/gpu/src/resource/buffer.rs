@@ -78,8 +78,8 @@ pub(crate) fn storage_buffer(
     Ok(buffer(device, what, size, BufferUsages::STORAGE | BufferUsages::COPY_DST))
 }
 
-/// A larger buffer if `buffer` has fewer than `needed` bytes: half again as large as before, or as needed. So a scene that
-/// grows slowly seldom pays for new buffers.
+/// A larger buffer if `buffer` has fewer than `needed` bytes: half again as large as before, or as needed. So
+/// a scene that grows slowly seldom pays for new buffers.
 ///
 /// # Errors
 /// As [`storage_buffer`].

@@ -15,7 +15,8 @@ pub(crate) struct ListBuffer {
     label: &'static str,
     usage: wgpu::BufferUsages,
     buffer: wgpu::Buffer,
-    /// Elements that there is room for; with room for none the buffer still has the size of one, since an empty one cannot be bound.
+    /// Elements that there is room for; with room for none the buffer still has the size of one, since an
+    /// empty one cannot be bound.
     capacity: usize,
 }
 
@@ -37,7 +38,8 @@ impl ListBuffer {
         Ok(buffer)
     }
 
-    /// Sends a list of which the first `static_count` elements are there already, unless the buffer has to grow. Returns whether it had to.
+    /// Sends a list of which the first `static_count` elements are there already, unless the buffer has to
+    /// grow. Returns whether it had to.
     pub(crate) fn send<T: Pod>(
         &mut self,
         device: &wgpu::Device,
@@ -67,7 +69,8 @@ impl ListBuffer {
     }
 }
 
-/// How many elements to make room for: half as many again as move, so that a scene that grows slowly is not sent anew every frame.
+/// How many elements to make room for: half as many again as move, so that a scene that grows slowly is not
+/// sent anew every frame.
 fn capacity<T: Pod>(
     label: &str,
     static_count: usize,

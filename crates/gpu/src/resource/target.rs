@@ -12,6 +12,10 @@ pub(crate) struct Target {
 }
 
 impl Target {
+    /// A target with one sample a pixel.
+    ///
+    /// # Errors
+    /// As [`Self::multisampled`].
     pub(crate) fn new(
         gpu: &Gpu,
         size: [u32; 2],
@@ -22,7 +26,10 @@ impl Target {
         Self::multisampled(gpu, size, label, format, usage, 1)
     }
 
-    /// With several samples a pixel.
+    /// A target with `samples` samples a pixel, 1 or a number of `AdapterReport::msaa`.
+    ///
+    /// # Errors
+    /// [`GpuError::Limit`] when the picture is longer than a texture may be; the device's own errors.
     pub(crate) fn multisampled(
         gpu: &Gpu,
         size: [u32; 2],
@@ -58,23 +65,23 @@ impl Target {
         Ok(Self { view: texture.create_view(&wgpu::TextureViewDescriptor::default()), bytes })
     }
 
-    /// Bytes of all texels.
+    /// Bytes of device memory that all samples of all texels take.
     pub(crate) fn bytes(&self) -> u64 {
         self.bytes
     }
 
-    /// As an attachment that starts from one colour.
+    /// The target as an attachment that starts a pass from one colour.
     pub(crate) fn cleared(&self, colour: wgpu::Color) -> wgpu::RenderPassColorAttachment<'_> {
         self.attached(wgpu::LoadOp::Clear(colour))
     }
 
-    /// As an attachment that goes on from what it holds.
+    /// The target as an attachment that starts a pass by `load`.
     pub(crate) fn attached(&self, load: wgpu::LoadOp<wgpu::Color>) -> wgpu::RenderPassColorAttachment<'_> {
         let ops = wgpu::Operations { load, store: wgpu::StoreOp::Store };
         wgpu::RenderPassColorAttachment { view: &self.view, depth_slice: None, resolve_target: None, ops }
     }
 
-    /// As a depth attachment that starts from the furthest depth.
+    /// The target as a depth attachment that starts a pass from the furthest depth.
     pub(crate) fn cleared_depth(&self) -> wgpu::RenderPassDepthStencilAttachment<'_> {
         let depth_ops = wgpu::Operations { load: wgpu::LoadOp::Clear(1.0), store: wgpu::StoreOp::Store };
         wgpu::RenderPassDepthStencilAttachment {

@@ -1,7 +1,7 @@
 //! All textures of a scene in the layers of one array texture.
 //!
-//! Shaders then reach every texture by arithmetic, without the binding arrays that many adapters lack. Texels are read one by one and
-//! weighted in the shader, so that neighbours need no gap between them.
+//! Shaders then reach every texture by arithmetic, without the binding arrays that many adapters lack. Texels
+//! are read one by one and weighted in the shader, so that neighbours need no gap between them.
 
 use std::{collections::HashMap, sync::Arc};
 
@@ -17,8 +17,9 @@ const LEAST_SIDE: u32 = 1024;
 /// Where a texture lies in the atlas.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Region {
+    /// Index of the layer of the array texture.
     pub(crate) layer: u32,
-    /// Of the upper left texel.
+    /// Column and row of the upper left texel in the layer.
     pub(crate) origin: [u32; 2],
 }
 
@@ -36,7 +37,7 @@ pub(crate) struct Atlas {
 }
 
 impl Atlas {
-    /// Arranges textures.
+    /// Finds a region for each image, as few layers as shelves of them need.
     ///
     /// # Errors
     /// [`GpuError::Limit`] names the texture that is too large or for which no layer is left.
@@ -58,7 +59,8 @@ impl Atlas {
         };
         let side = largest.max(LEAST_SIDE).next_power_of_two().min(most);
 
-        // Tall ones first, which packs shelves best; equals in the order of the scene, so that the arrangement is always the same.
+        // Tall ones first, which packs shelves best; equals in the order of the scene, so that the
+        // arrangement is always the same.
         let mut first_with: HashMap<*const Image<[u8; 4]>, usize> = HashMap::new();
         let owners: Vec<usize> = (0..textures.len())
             .map(|index| *first_with.entry(Arc::as_ptr(&textures[index].image)).or_insert(index))
@@ -127,7 +129,7 @@ impl Atlas {
         atlas
     }
 
-    /// Bytes of the texture.
+    /// Bytes of device memory that the array texture takes: 4 a texel of every layer, filled or not.
     pub(crate) fn bytes(&self) -> u64 {
         4 * u64::from(self.side) * u64::from(self.side) * u64::from(self.layers)
     }

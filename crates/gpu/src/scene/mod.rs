@@ -5,28 +5,43 @@ use std::iter;
 use glam::Vec3;
 use sheer_scene::Frame;
 
-use self::{
-    atlas::Atlas,
-    records::{Light, Lobe, Material, MeshOffsets, Object, Opacity, Texture},
-};
+use self::atlas::Atlas;
 use crate::{
     error::GpuError,
     resource::list::{ListBuffer, STORAGE},
+    shader::{
+        binding::{
+            BIND_ATLAS, BIND_ATTRIBUTES, BIND_DEFORMED_NORMALS, BIND_INDICES, BIND_LIGHTS, BIND_LOBES,
+            BIND_MATERIALS, BIND_OBJECTS, BIND_OPACITIES, BIND_POSITIONS, BIND_PREVIOUS_POSITIONS,
+            BIND_TEXTURES, BIND_TRIANGLES,
+        },
+        record::scene::{Light, Lobe, Material, MeshOffsets, Object, Opacity, Texture},
+    },
 };
 
 pub(crate) mod atlas;
-pub(crate) mod records;
+mod records;
 
-pub use records::{CONSTANTS, NONE};
+/// How many bindings of group 0 a scene has.
+const BINDING_COUNT: usize = 13;
+/// Which they are, in the order of [`SceneBuffers::lists`].
+const BINDINGS: [u32; BINDING_COUNT] = [
+    BIND_POSITIONS,
+    BIND_PREVIOUS_POSITIONS,
+    BIND_TRIANGLES,
+    BIND_OBJECTS,
+    BIND_OPACITIES,
+    BIND_ATTRIBUTES,
+    BIND_INDICES,
+    BIND_DEFORMED_NORMALS,
+    BIND_MATERIALS,
+    BIND_TEXTURES,
+    BIND_ATLAS,
+    BIND_LIGHTS,
+    BIND_LOBES,
+];
 
-/// Binding of the first list; the others follow in the order of [`SceneBuffers::entries`].
-const FIRST_BINDING: u32 = 1;
-/// How many bindings there are.
-const BINDINGS: usize = 13;
-/// Which of them, from the first on, is the atlas.
-const ATLAS: usize = 10;
-
-/// The lists of `shaders/shared/scene.wgsl` (group 0, bindings 1 to 13), filled from a frame.
+/// The lists of `shaders/shared/scene.wgsl`, filled from a frame.
 #[derive(Debug)]
 pub struct SceneBuffers {
     positions: ListBuffer,
@@ -102,8 +117,8 @@ impl SceneBuffers {
         Ok(buffers)
     }
 
-    /// Sends what has moved since the last frame of the same animator. Returns whether a buffer had to grow: then bind groups that hold it
-    /// must be made anew.
+    /// Sends what has moved since the last frame of the same animator. Returns whether a buffer had to grow:
+    /// then bind groups that hold it must be made anew.
     ///
     /// # Errors
     /// [`GpuError::Limit`] names the first list that the device does not allow.
@@ -136,12 +151,12 @@ impl SceneBuffers {
         Ok(grown.contains(&true))
     }
 
-    /// The entries of a bind group of group 0 for bindings 1 to 13.
+    /// The scene's part of group 0.
     #[must_use]
-    pub fn entries(&self) -> [wgpu::BindGroupEntry<'_>; BINDINGS] {
+    pub fn entries(&self) -> [wgpu::BindGroupEntry<'_>; BINDING_COUNT] {
         let lists = self.lists();
         std::array::from_fn(|index| wgpu::BindGroupEntry {
-            binding: FIRST_BINDING + index as u32,
+            binding: BINDINGS[index],
             resource: match lists[index] {
                 Some(buffer) => buffer.wgpu().as_entire_binding(),
                 None => wgpu::BindingResource::TextureView(&self.atlas),
@@ -151,11 +166,11 @@ impl SceneBuffers {
 
     /// What [`Self::entries`] fill.
     #[must_use]
-    pub fn layout_entries() -> [wgpu::BindGroupLayoutEntry; BINDINGS] {
+    pub fn layout_entries() -> [wgpu::BindGroupLayoutEntry; BINDING_COUNT] {
         std::array::from_fn(|index| wgpu::BindGroupLayoutEntry {
-            binding: FIRST_BINDING + index as u32,
+            binding: BINDINGS[index],
             visibility: wgpu::ShaderStages::VERTEX_FRAGMENT | wgpu::ShaderStages::COMPUTE,
-            ty: if index == ATLAS {
+            ty: if BINDINGS[index] == BIND_ATLAS {
                 wgpu::BindingType::Texture {
                     sample_type: wgpu::TextureSampleType::Uint,
                     view_dimension: wgpu::TextureViewDimension::D2Array,
@@ -172,7 +187,8 @@ impl SceneBuffers {
         })
     }
 
-    /// Nine floats a triangle, world: also the input of an acceleration structure where the device traces rays, and of a vertex stage.
+    /// Nine floats a triangle, world: also the input of an acceleration structure where the device traces
+    /// rays, and of a vertex stage.
     #[must_use]
     pub fn positions(&self) -> &wgpu::Buffer {
         self.positions.wgpu()
@@ -185,7 +201,7 @@ impl SceneBuffers {
     }
 
     /// The lists in the order of their bindings; none in the place of the atlas.
-    fn lists(&self) -> [Option<&ListBuffer>; BINDINGS] {
+    fn lists(&self) -> [Option<&ListBuffer>; BINDING_COUNT] {
         [
             Some(&self.positions),
             Some(&self.previous_positions),

@@ -1,92 +1,22 @@
-//! Scene records as shaders read them: `shaders/shared/scene.wgsl` declares the same structs, and a test compares the two through naga.
-//!
-//! A WGSL `vec3f` takes 12 bytes but starts at a multiple of 16, so that each is followed by a scalar here.
+//! The records that shaders read, made from what the scene holds.
 
-use bytemuck::{Pod, Zeroable};
-use glam::{Mat3, Vec2, Vec3};
+use bytemuck::Zeroable as _;
+use glam::Mat3;
 use sheer_scene::{
     FrameLight, Look, Object as FrameObject,
     environment::Lobe as EnvironmentLobe,
-    model::{
-        Filter, LightKind, Material as SceneMaterial, Mesh, ShadingModel, Texture as SceneTexture,
-        TextureRef, Wrap,
-    },
+    model::{LightKind, Material as SceneMaterial, Mesh, Texture as SceneTexture, TextureRef},
 };
 
 use super::atlas::Region;
-
-/// In place of an index or offset: there is none.
-pub const NONE: u32 = u32::MAX;
-
-/// Numbers of [`Object::look`].
-const LOOK_RIGID: u32 = 0;
-const LOOK_DEFORMED: u32 = 1;
-const LOOK_QUAD: u32 = 2;
-
-/// Numbers of [`Light::kind`].
-const LIGHT_DIRECTIONAL: u32 = 0;
-const LIGHT_POINT: u32 = 1;
-const LIGHT_SPOT: u32 = 2;
-
-/// Indices into [`Material::textures`]. The normal comes last: it replaces what the others multiply.
-const TEXTURE_BASE_COLOUR: usize = 0;
-const TEXTURE_METALLIC_ROUGHNESS: usize = 1;
-const TEXTURE_EMISSIVE: usize = 2;
-const TEXTURE_OCCLUSION: usize = 3;
-const TEXTURE_NORMAL: usize = 4;
-const TEXTURE_COUNT: usize = 5;
-
-/// The numbers that shaders know the records' choices by, to be emitted as WGSL constants.
-pub const CONSTANTS: &[(&str, u32)] = &[
-    ("NONE", NONE),
-    ("LOOK_RIGID", LOOK_RIGID),
-    ("LOOK_DEFORMED", LOOK_DEFORMED),
-    ("LOOK_QUAD", LOOK_QUAD),
-    ("LIGHT_DIRECTIONAL", LIGHT_DIRECTIONAL),
-    ("LIGHT_POINT", LIGHT_POINT),
-    ("LIGHT_SPOT", LIGHT_SPOT),
-    ("TEXTURE_BASE_COLOUR", TEXTURE_BASE_COLOUR as u32),
-    ("TEXTURE_METALLIC_ROUGHNESS", TEXTURE_METALLIC_ROUGHNESS as u32),
-    ("TEXTURE_EMISSIVE", TEXTURE_EMISSIVE as u32),
-    ("TEXTURE_OCCLUSION", TEXTURE_OCCLUSION as u32),
-    ("TEXTURE_NORMAL", TEXTURE_NORMAL as u32),
-    ("TEXTURE_COUNT", TEXTURE_COUNT as u32),
-    ("MODEL_METALLIC_ROUGHNESS", ShadingModel::MetallicRoughness as u32),
-    ("MODEL_UNLIT", ShadingModel::Unlit as u32),
-    ("MODEL_SMOKE", ShadingModel::Smoke as u32),
-    ("MODEL_FIBRE", ShadingModel::Fibre as u32),
-    ("WRAP_REPEAT", Wrap::Repeat as u32),
-    ("WRAP_MIRRORED_REPEAT", Wrap::MirroredRepeat as u32),
-    ("WRAP_CLAMP_TO_EDGE", Wrap::ClampToEdge as u32),
-    ("FILTER_LINEAR", Filter::Linear as u32),
-    ("FILTER_NEAREST", Filter::Nearest as u32),
-];
-
-/// What the any-hit test reads: as the frame stores it.
-pub(crate) type Opacity = sheer_scene::TriangleOpacity;
-
-/// Where a mesh's lists lie in the attribute and index buffers.
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-#[repr(C)]
-pub(crate) struct MeshOffsets {
-    /// Of its first triangle, in indices.
-    pub first_index: u32,
-    pub vertex_count: u32,
-    /// Offsets into the attributes, in floats: three a vertex.
-    pub positions: u32,
-    /// Three a vertex, or [`NONE`].
-    pub normals: u32,
-    /// Four a vertex, or [`NONE`].
-    pub tangents: u32,
-    /// Four a vertex, or [`NONE`].
-    pub colours: u32,
-    /// Two a vertex, set after set.
-    pub uv_sets: u32,
-    pub uv_set_count: u32,
-}
+use crate::shader::record::scene::{
+    LIGHT_DIRECTIONAL, LIGHT_POINT, LIGHT_SPOT, LOOK_DEFORMED, LOOK_QUAD, LOOK_RIGID, Light, Lobe, Material,
+    MeshOffsets, NONE, Object, TEXTURE_BASE_COLOUR, TEXTURE_COUNT, TEXTURE_EMISSIVE,
+    TEXTURE_METALLIC_ROUGHNESS, TEXTURE_NORMAL, TEXTURE_OCCLUSION, Texture, TextureUse,
+};
 
 impl MeshOffsets {
-    /// Of a quad, which has no mesh.
+    /// The offsets of a quad, which has no mesh.
     const NOWHERE: Self = Self {
         first_index: 0,
         vertex_count: 0,
@@ -120,24 +50,6 @@ impl MeshOffsets {
         mesh.uv_sets.iter().for_each(|set| attributes.extend_from_slice(bytemuck::cast_slice(set)));
         offsets
     }
-}
-
-/// An object, and where its vertex attributes come from.
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-#[repr(C)]
-pub(crate) struct Object {
-    pub id: u32,
-    pub geometry: u32,
-    pub material: u32,
-    pub first_triangle: u32,
-    /// [`LOOK_RIGID`], …
-    pub look: u32,
-    /// Of a deformed mesh: its first entry in the deformed normals, or [`NONE`].
-    pub first_deformed_normal: u32,
-    pub mesh: MeshOffsets,
-    /// Rigid: columns of `normal_from_object`, then of `vector_from_object`. Quad: right, up, tile origin, tile size, tint, and nothing.
-    /// Scalars, since 100,000 quads move every frame and columns of `vec3f` would take a third more.
-    pub axes: [f32; 18],
 }
 
 impl Object {
@@ -177,19 +89,6 @@ impl Object {
     }
 }
 
-/// A material's use of a texture.
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-#[repr(C)]
-pub(crate) struct TextureUse {
-    /// Columns of `texture_from_mesh_uv`.
-    pub x_axis: Vec2,
-    pub y_axis: Vec2,
-    pub translation: Vec2,
-    /// Index into the textures, or [`NONE`].
-    pub texture: u32,
-    pub uv_set: u32,
-}
-
 impl TextureUse {
     fn new(used: Option<&TextureRef>) -> Self {
         let of = |used: &TextureRef| Self {
@@ -201,24 +100,6 @@ impl TextureUse {
         };
         used.map_or(Self { texture: NONE, ..Self::zeroed() }, of)
     }
-}
-
-/// A material, but for what [`Opacity`] holds of it.
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-#[repr(C)]
-pub(crate) struct Material {
-    pub base_colour: Vec3,
-    /// The shading model's number.
-    pub model: u32,
-    pub emissive: Vec3,
-    pub metallic: f32,
-    pub roughness: f32,
-    pub transmission: f32,
-    pub normal_scale: f32,
-    pub occlusion_strength: f32,
-    /// By `TEXTURE_BASE_COLOUR`, …: a list, so that a shader samples in one place; drivers that inline
-    /// everything take half a minute to compile five copies.
-    pub textures: [TextureUse; TEXTURE_COUNT],
 }
 
 impl Material {
@@ -243,53 +124,18 @@ impl Material {
     }
 }
 
-/// A texture: where it lies in the atlas and how it is looked up.
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-#[repr(C)]
-pub(crate) struct Texture {
-    /// Of its upper left texel in its layer.
-    pub origin: [u32; 2],
-    /// Width and height, texels.
-    pub size: [u32; 2],
-    /// Numbers of the wrap modes in u and v.
-    pub wrap: [u32; 2],
-    pub layer: u32,
-    /// The filter's number.
-    pub filtering: u32,
-    /// 1 if the colour channels are sRGB-encoded.
-    pub srgb: u32,
-    pub padding: u32,
-}
-
 impl Texture {
     pub(crate) fn new(texture: &SceneTexture, region: Region) -> Self {
         Self {
-            origin: region.origin,
-            size: [texture.image.width(), texture.image.height()],
-            wrap: texture.wrap.map(|wrap| wrap as u32),
+            origin: region.origin.into(),
+            size: [texture.image.width(), texture.image.height()].into(),
+            wrap: texture.wrap.map(|wrap| wrap as u32).into(),
             layer: region.layer,
             filtering: texture.filter as u32,
             srgb: u32::from(texture.srgb),
             padding: 0,
         }
     }
-}
-
-/// A punctual light at the time of the frame.
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-#[repr(C)]
-pub(crate) struct Light {
-    pub position: Vec3,
-    /// [`LIGHT_DIRECTIONAL`], …
-    pub kind: u32,
-    pub direction: Vec3,
-    /// World units, at most the largest float: shaders need not know infinity.
-    pub range: f32,
-    pub intensity: Vec3,
-    /// Cosines of the cone's half angles; of a spot alone.
-    pub inner_cosine: f32,
-    pub outer_cosine: f32,
-    pub padding: [u32; 3],
 }
 
 impl Light {
@@ -313,16 +159,6 @@ impl Light {
             padding: [0; 3],
         }
     }
-}
-
-/// A lobe of the environment.
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-#[repr(C)]
-pub(crate) struct Lobe {
-    pub direction: Vec3,
-    pub sharpness: f32,
-    pub radiance: Vec3,
-    pub padding: u32,
 }
 
 impl Lobe {

@@ -7,16 +7,26 @@ use std::fmt;
 /// A value that WGSL has a literal for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Value {
+    /// `bool`.
+    Bool(bool),
     /// `u32`.
     U32(u32),
     /// `i32`.
     I32(i32),
     /// `f32`; finite.
     F32(f32),
+    /// `vec2f`; finite.
+    Vec2F([f32; 2]),
     /// `vec4f`; finite.
     Vec4F([f32; 4]),
     /// `vec2u`, the low word first: shaders have no numbers of 64 bits.
     U64(u64),
+}
+
+impl From<bool> for Value {
+    fn from(value: bool) -> Self {
+        Self::Bool(value)
+    }
 }
 
 impl From<u64> for Value {
@@ -28,6 +38,12 @@ impl From<u64> for Value {
 impl From<u32> for Value {
     fn from(value: u32) -> Self {
         Self::U32(value)
+    }
+}
+
+impl From<[f32; 2]> for Value {
+    fn from(values: [f32; 2]) -> Self {
+        Self::Vec2F(values)
     }
 }
 
@@ -61,12 +77,14 @@ impl fmt::Display for Constant {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let name = &self.name;
         match self.value {
+            Value::Bool(value) => writeln!(f, "const {name}: bool = {value};"),
             Value::U32(value) => writeln!(f, "const {name}: u32 = {value}u;"),
             Value::I32(value) => writeln!(f, "const {name}: i32 = {value}i;"),
             Value::F32(value) => writeln!(f, "const {name}: f32 = {value:?}f;"),
             Value::U64(value) => {
                 writeln!(f, "const {name}: vec2u = vec2u({}u, {}u);", value as u32, value >> 32)
             }
+            Value::Vec2F([x, y]) => writeln!(f, "const {name}: vec2f = vec2f({x:?}f, {y:?}f);"),
             Value::Vec4F([x, y, z, w]) => {
                 writeln!(f, "const {name}: vec4f = vec4f({x:?}f, {y:?}f, {z:?}f, {w:?}f);")
             }

@@ -1,4 +1,7 @@
-//! The constants of all shaders, made from the Rust constants that the CPU uses: no number stands in two places.
+//! The constants of all shaders, made from the Rust constants that the CPU uses: no number stands in two
+//! places.
+
+use std::f32::consts;
 
 use sheer_core::{
     hash, mask,
@@ -9,15 +12,24 @@ use sheer_render::{
     Antialiasing, Method,
     contract::{self, AlignmentRule, CORRECTION_PARAMETER, ShaderConstant, ShaderValue},
     cpu::shade,
+    shadow,
 };
+use sheer_scene::environment;
 
 use super::{
+    binding,
     constant::{Constant, Value},
+    declaration::ShaderType,
     numbers,
+    record::{
+        pixel::{Counts, FragmentStats, Tested},
+        scene,
+    },
 };
-use crate::{scene, tables};
+use crate::tables;
 
-/// Rows `module::{NAME, NAME as OTHER_NAME}`: each constant of a module under its own name, or another one in shaders.
+/// Rows `module::{NAME, NAME as OTHER_NAME}`: each constant of a module under its own name, or another one in
+/// shaders.
 macro_rules! constants {
     ($($module:ident :: {$($name:ident $(as $other:ident)?),+ $(,)?}),+ $(,)?) => {
         vec![$($(Constant::new(constants!(@name $name $($other)?), $module::$name)),+),+]
@@ -31,7 +43,7 @@ pub(crate) fn all() -> Vec<Constant> {
     let mut all = constants![
         contract::{MIN_ALPHA, MIN_VISIBILITY, BLUE_NOISE_SIDE},
         numbers::{
-            MISS, NO_DEPTH, FAR_AWAY,
+            MISS, NO_DEPTH, FAR_AWAY, EPSILON, LEAST_NORMAL, GREATEST, LARGEST_HALF, LIST_END, GROUP_SIDE, PROBE_GROUP,
             BACKGROUND_ENVIRONMENT, BACKGROUND_COLOUR, BACKGROUND_NONE,
         },
         sheer_scene::{OPAQUE, SINGLE_SIDED, MIRRORED, TINTED, SLOT, NO_TEXTURE},
@@ -45,8 +57,13 @@ pub(crate) fn all() -> Vec<Constant> {
         spatio_temporal::{SIDE as RANK_SIDE, FRAME_COUNT as RANK_FRAMES, COUNT as RANK_COUNT},
         shade::{
             DIELECTRIC_F0, MIN_ROUGHNESS, SMOKE_WRAP, SMOKE_ANISOTROPY,
-            FIBRE_SURFACE, FIBRE_THROUGH, FIBRE_BACK, FIBRE_TILT,
+            FIBRE_SURFACE, FIBRE_THROUGH, FIBRE_BACK, FIBRE_TILT, FIBRE_THROUGH_FIT, FIBRE_BACK_FIT, SMOKE_SHARES,
+            SPECULAR_FIT_SLOPES, SPECULAR_FIT_STARTS, SPECULAR_FIT_FALL, SPECULAR_FIT_GRAZING,
+            LEAST_COSINE, LEAST_CONE, LEAST_SQUARE_DISTANCE,
         },
+        environment::{HORIZON_BLUR, LEAST_WIDTH, GROUND_STEEPNESS},
+        shadow::{LIFT_ROUNDING},
+        consts::{PI},
         tables::{TABLE_STD_MAPS, TABLE_BLUE_NOISE, TABLE_DECODE},
     ];
     all.extend([
@@ -56,7 +73,10 @@ pub(crate) fn all() -> Vec<Constant> {
     ]);
     let rules = (0_u32..).zip(AlignmentRule::WORDS);
     all.extend(rules.map(|(number, rule)| Constant::new(format!("ALIGN_{}", word(rule)), number)));
-    all.extend(scene::CONSTANTS.iter().map(|&(name, value)| Constant::new(name, value)));
+    all.extend(
+        [scene::CONSTANTS, binding::ALL].concat().into_iter().map(|(name, value)| Constant::new(name, value)),
+    );
+    all.extend(word_indices());
     let factors = hash::SPLITMIX64_FACTORS.into_iter().enumerate();
     all.extend(factors.map(|(index, factor)| Constant::new(format!("SPLITMIX64_FACTOR_{index}"), factor)));
     let scramble = mask::SCRAMBLE.into_iter().enumerate();
@@ -64,8 +84,26 @@ pub(crate) fn all() -> Vec<Constant> {
     all
 }
 
-/// A method's parameters, its own constants and where its tables begin. The key `rehash` becomes `P_REHASH`, a choice `hash` becomes `P_HASH`, the number of the word chosen, with
-/// `P_HASH_PCG` and `P_HASH_MCGUIRE` to compare with.
+/// For structs that shaders see as an array of words, since they are changed by several invocations at a
+/// time: their length and the index of each member.
+fn word_indices() -> Vec<Constant> {
+    let mut constants = Vec::new();
+    for (prefix, declaration) in [
+        ("COUNTER", Counts::declaration()),
+        ("STATS", FragmentStats::declaration()),
+        ("TESTED", Tested::declaration()),
+    ] {
+        let declaration = declaration.expect("a struct has a declaration");
+        constants.push(Constant::new(format!("{prefix}_WORDS"), declaration.size as u32 / 4));
+        let indices = declaration.word_indices(prefix).into_iter();
+        constants.extend(indices.map(|(name, index)| Constant::new(name, index)));
+    }
+    constants
+}
+
+/// A method's parameters, its own constants and where its tables begin. The key `rehash` becomes `P_REHASH`,
+/// a choice `hash` becomes `P_HASH`, the number of the word chosen, with `P_HASH_PCG` and `P_HASH_MCGUIRE` to
+/// compare with.
 pub(crate) fn of_method(method: &Method) -> Vec<Constant> {
     // A correction has coefficients in place of its word, which a fitted one does not have.
     let parameters = method.parameters();
@@ -143,6 +181,7 @@ mod tests {
 
     fn bits(module: &Module, init: Handle<Expression>) -> Vec<u32> {
         match &module.global_expressions[init] {
+            Expression::Literal(Literal::Bool(value)) => vec![u32::from(*value)],
             Expression::Literal(Literal::U32(value)) => vec![*value],
             Expression::Literal(Literal::I32(value)) => vec![value.cast_unsigned()],
             Expression::Literal(Literal::F32(value)) => vec![value.to_bits()],
@@ -164,10 +203,12 @@ mod tests {
 
     fn expected(constants: &[Constant]) -> Vec<(String, Vec<u32>)> {
         let bits = |value| match value {
+            Value::Bool(value) => vec![u32::from(value)],
             Value::U32(value) => vec![value],
             Value::I32(value) => vec![value.cast_unsigned()],
             Value::F32(value) => vec![value.to_bits()],
             Value::U64(value) => vec![value as u32, (value >> 32) as u32],
+            Value::Vec2F(values) => values.map(f32::to_bits).to_vec(),
             Value::Vec4F(values) => values.map(f32::to_bits).to_vec(),
         };
         constants.iter().map(|constant| (constant.name.clone(), bits(constant.value))).collect()

@@ -1,7 +1,8 @@
 //! Shader functions held against their CPU twins, on many random inputs and on whatever adapter there is.
 //!
-//! Integers have to be equal bit by bit. Floats may differ where WGSL lets them: a division is within 2.5 ulp (WGSL, section 15.7.4), a product
-//! and a sum may be fused. Sines and logarithms have no bits that two devices share.
+//! Integers have to be equal bit by bit. Floats may differ where WGSL lets them: a division is within 2.5 ulp
+//! (WGSL, section 15.7.4), a product and a sum may be fused. Sines and logarithms have no bits that two
+//! devices share.
 
 use bytemuck::Zeroable as _;
 use glam::{UVec2, Vec3};
@@ -20,35 +21,51 @@ use wgpu::{BufferBindingType, BufferUsages};
 
 use super::harness::{self, COMPUTE, is_software};
 use crate::{
-    frame::FrameUniform,
     resource::bind_group::{buffer_entry, read_only_entry, whole},
-    shader::{Linker, constant::Constant},
+    shader::{
+        Linker,
+        binding::{BIND_FRAME, BIND_PROBE_IN, BIND_PROBE_OUT, BIND_TABLES},
+        constant::Constant,
+        linked::Linked,
+        numbers::PROBE_GROUP,
+        record::frame::FrameUniform,
+    },
     tables::Tables,
 };
 
 /// Inputs of a probe.
 const COUNT: usize = 1 << 16;
-/// Invocations of a workgroup, as the probes have it.
-const GROUP: u32 = 64;
 
 /// What a probe writes for its inputs: `words_out` for each.
-fn run(shader: &str, tables: &Tables, input: &[u32], words_out: usize) -> Vec<u32> {
+fn run(shader: &Linked, tables: &Tables, input: &[u32], words_out: usize) -> Vec<u32> {
     run_in(&FrameUniform::zeroed(), shader, tables, input, words_out)
 }
 
 /// The same where a probe asks for what a frame is rendered with.
-fn run_in(frame: &FrameUniform, shader: &str, tables: &Tables, input: &[u32], words_out: usize) -> Vec<u32> {
-    let uniform = buffer_entry(0, COMPUTE, BufferBindingType::Uniform);
-    let written = buffer_entry(1, COMPUTE, BufferBindingType::Storage { read_only: false });
-    let layouts = [[uniform, read_only_entry(14, COMPUTE)], [read_only_entry(0, COMPUTE), written]];
-    let pipeline = harness::pipeline(shader.to_owned(), &layouts.each_ref().map(|entries| &entries[..]));
+fn run_in(
+    frame: &FrameUniform,
+    shader: &Linked,
+    tables: &Tables,
+    input: &[u32],
+    words_out: usize,
+) -> Vec<u32> {
+    let uniform = buffer_entry(BIND_FRAME, COMPUTE, BufferBindingType::Uniform);
+    let written = buffer_entry(BIND_PROBE_OUT, COMPUTE, BufferBindingType::Storage { read_only: false });
+    let layouts = [
+        [uniform, read_only_entry(BIND_TABLES, COMPUTE)],
+        [read_only_entry(BIND_PROBE_IN, COMPUTE), written],
+    ];
+    let pipeline = harness::pipeline(shader, &layouts.each_ref().map(|entries| &entries[..]));
     let frame = harness::buffer(bytemuck::bytes_of(frame), BufferUsages::UNIFORM);
     let storage = |words: &[u32]| harness::buffer(bytemuck::cast_slice(words), BufferUsages::STORAGE);
     let (input, tables) = (storage(input), storage(&tables.words));
     let output = harness::results(4 * COUNT * words_out);
-    let groups = [[whole(0, &frame), whole(14, &tables)], [whole(0, &input), whole(1, &output)]];
+    let groups = [
+        [whole(BIND_FRAME, &frame), whole(BIND_TABLES, &tables)],
+        [whole(BIND_PROBE_IN, &input), whole(BIND_PROBE_OUT, &output)],
+    ];
     let groups = groups.each_ref().map(|entries| &entries[..]);
-    bytemuck::pod_collect_to_vec(&harness::run(&pipeline, &groups, COUNT as u32 / GROUP, &output))
+    bytemuck::pod_collect_to_vec(&harness::run(&pipeline, &groups, COUNT as u32 / PROBE_GROUP, &output))
 }
 
 /// Random words, the same in each run.
@@ -106,8 +123,10 @@ fn hashes_are_those_of_the_cpu_bit_by_bit() {
     // Negative control: another multiplier changes all hashes that have it, and no other column.
     let line = |value: u32| Constant::new("LCG_MULTIPLIER", value).to_string();
     let (right, wrong) = (line(sheer_core::hash::LCG_MULTIPLIER), line(sheer_core::hash::LCG_MULTIPLIER + 4));
-    assert!(shader.contains(&right));
-    let off = differences(&run(&shader.replace(&right, &wrong), &tables, &input, HASH_COLUMNS), &expected);
+    assert!(shader.text.contains(&right));
+    let mut slip = shader.clone();
+    slip.text = shader.text.replace(&right, &wrong);
+    let off = differences(&run(&slip, &tables, &input, HASH_COLUMNS), &expected);
     assert!(off[1..10].iter().all(|count| *count > COUNT / 2), "{off:?}");
     assert_eq!((off[0], &off[10..13]), (0, &[0; 3][..]));
 }
@@ -192,7 +211,8 @@ fn opacities_are_decided_upon_as_on_the_cpu() {
     }
 }
 
-/// A ray's last bit decides which of two surfaces is in front that lie in one plane, so that the rays have to be the same.
+/// A ray's last bit decides which of two surfaces is in front that lie in one plane, so that the rays have to
+/// be the same.
 #[test]
 fn rays_of_the_camera_are_those_of_the_cpu() {
     const SIZE: [u32; 2] = [331, 187];
@@ -205,7 +225,7 @@ fn rays_of_the_camera_are_those_of_the_cpu() {
     for pose in &poses {
         let frame = FrameUniform {
             camera: pose.into(),
-            size: SIZE,
+            size: SIZE.into(),
             inverse_height: (SIZE[1] as f32).recip(),
             ..FrameUniform::zeroed()
         };
@@ -339,7 +359,8 @@ fn thresholds_of_integer_hashes_are_those_of_the_cpu() {
     for text in INTEGER_METHODS {
         let (count, most) = deviation(&thresholds(text, &sites));
         println!("{text}: {count} of {COUNT} thresholds differ, by {most} ulp at most");
-        // The only operation that may round otherwise is the division, by up to 2.5 ulp (WGSL, section 15.7.4).
+        // The only operation that may round otherwise is the division, by up to 2.5 ulp (WGSL, section
+        // 15.7.4).
         let bound = if ["roulette", "stbn"].iter().any(|exact| text.starts_with(exact)) { 0 } else { 3 };
         assert!(most <= bound, "{text}: {most} ulp");
     }
@@ -357,8 +378,8 @@ fn thresholds_of_another_seed_are_other_ones() {
     }
 }
 
-/// A logarithm that is off by an ulp moves the weight of the blend by as much, at the edge of an octave into another pair of cells. So nearly all
-/// thresholds agree to four digits, and a few are other draws.
+/// A logarithm that is off by an ulp moves the weight of the blend by as much, at the edge of an octave into
+/// another pair of cells. So nearly all thresholds agree to four digits, and a few are other draws.
 #[test]
 fn nearly_all_thresholds_of_hashed_places_agree() {
     let sites = random_sites();
@@ -378,8 +399,9 @@ fn nearly_all_thresholds_of_hashed_places_agree() {
     }
 }
 
-/// No two devices share the bits of a sine that is blown up ten thousand times, so that thresholds are only as good as random: uniform. A
-/// software adapter's sine is nearly as good as the CPU's: there a good part of the thresholds agree, which shows that the same is hashed.
+/// No two devices share the bits of a sine that is blown up ten thousand times, so that thresholds are only
+/// as good as random: uniform. A software adapter's sine is nearly as good as the CPU's: there a good part of
+/// the thresholds agree, which shows that the same is hashed.
 #[test]
 fn thresholds_of_sine_hashes_are_uniform() {
     let sites = random_sites();

@@ -10,9 +10,16 @@ use crate::{
     device::{AdapterChoice, Gpu},
     recording::compute_pipeline,
     resource::bind_group::{group_of, layout},
-    shader::Linker,
+    shader::{
+        Linker,
+        constant::{self, Constant},
+        linked::Linked,
+    },
     tables::Tables,
 };
+
+/// Floats that the piece probe/surface answers a query with.
+pub(super) const ANSWER_LENGTH: usize = 36;
 
 /// The best adapter's device, shared by all tests of the process.
 pub(super) static GPU: LazyLock<Arc<Gpu>> = LazyLock::new(|| {
@@ -36,12 +43,13 @@ pub(super) fn is_software() -> bool {
 }
 
 /// A piece with all that it imports; rays are traced through our own tree.
-pub(super) fn link(piece: &str) -> String {
+pub(super) fn link(piece: &str) -> Linked {
     let method: Method = "std".parse().unwrap();
     Linker::new()
         .method(&method)
         .constants(Tables::new(&[], [0, 0]).constants())
         .constants(accel::constants())
+        .constants(constant::text(&[Constant::new("ANSWER_LENGTH", ANSWER_LENGTH as u32)]))
         .alias("shadow", "shared/shadow_deep")
         .alias("traverse", "shared/traverse_bvh")
         .link(piece)
@@ -62,9 +70,9 @@ pub(super) fn results(bytes: usize) -> wgpu::Buffer {
 }
 
 /// The compute pipeline of a test's shader, whose entry point is `cs_probe`.
-pub(super) fn pipeline(shader: String, groups: &[&[wgpu::BindGroupLayoutEntry]]) -> wgpu::ComputePipeline {
+pub(super) fn pipeline(shader: &Linked, groups: &[&[wgpu::BindGroupLayoutEntry]]) -> wgpu::ComputePipeline {
     let device = GPU.device();
-    let module = GPU.shader("probe", shader).unwrap();
+    let module = GPU.shader(shader).unwrap();
     let layouts: Vec<_> = groups.iter().map(|entries| layout(&device, "probe", entries)).collect();
     let layouts: Vec<_> = layouts.iter().collect();
     let pipeline = compute_pipeline(&device, "probe", &layouts, &module, "cs_probe");

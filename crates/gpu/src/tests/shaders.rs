@@ -1,16 +1,16 @@
 //! Linking by hand-made pieces, and the project's own ones through naga, which needs no device.
 
-use std::{collections::BTreeSet, fs, path::Path};
+use std::{collections::BTreeSet, fs, path::Path, sync::Arc};
 
 use sheer_render::{
-    Method,
+    Antialiasing, Method,
     contract::Raster,
     method::{Family, variants},
     temporal::ANTIALIASINGS,
 };
 
 use crate::{
-    device::{AdapterReport, Tracer},
+    device::{AdapterChoice, AdapterReport, Gpu, Tracer},
     error::GpuError,
     pipeline::base_linker,
     raster::{
@@ -19,9 +19,10 @@ use crate::{
         plan::{self, raster_of},
     },
     ray::Search,
-    shader::Linker,
+    shader::{Linker, linked::Linked},
     shadow::MapSettings,
     tables::Tables,
+    temporal::History,
 };
 
 fn linker(pieces: &[(&'static str, &'static str)]) -> Linker {
@@ -32,14 +33,21 @@ fn problem(linker: &Linker, piece: &str) -> String {
     linker.link(piece).unwrap_err().to_string()
 }
 
-/// Parses and validates; the error as text.
-pub(crate) fn validate(text: &str) -> Result<(), String> {
-    let module = naga::front::wgsl::parse_str(text).map_err(|error| error.emit_to_string(text))?;
+/// What naga makes of a shader that is valid; the error by piece and line.
+pub(super) fn validated(shader: &Linked) -> Result<naga::Module, String> {
+    let text = &shader.text;
+    let module =
+        naga::front::wgsl::parse_str(text).map_err(|error| shader.relocated(&error.emit_to_string(text)))?;
     let capabilities = naga::valid::Capabilities::all();
     naga::valid::Validator::new(naga::valid::ValidationFlags::all(), capabilities)
         .validate(&module)
-        .map(|_| ())
-        .map_err(|error| error.emit_to_string(text))
+        .map_err(|error| shader.relocated(&error.emit_to_string(text)))?;
+    Ok(module)
+}
+
+/// Whether naga takes a shader.
+pub(super) fn validate(shader: &Linked) -> Result<(), String> {
+    validated(shader).map(|_| ())
 }
 
 #[test]
@@ -49,14 +57,14 @@ fn a_piece_is_included_once_below_constants_and_enables() {
         ("b", "enable x;\nenable w;\n#import c\nb"),
         ("c", "c"),
     ]);
-    assert_eq!(linker.link("a").unwrap(), "enable w;\nenable x;\nC\nc\nb\na\n");
+    assert_eq!(linker.link("a").unwrap().text, "enable w;\nenable x;\nC\nc\nb\na\n");
 }
 
 #[test]
 fn an_alias_stands_for_a_piece() {
     let linker = linker(&[("a", "#import b\n#import other"), ("b", "b")]).alias("other", "b");
-    assert_eq!(linker.link("a").unwrap(), "C\nb\n");
-    assert_eq!(linker.constants("D\n".to_owned()).link("other").unwrap(), "C\nD\nb\n");
+    assert_eq!(linker.link("a").unwrap().text, "C\nb\n");
+    assert_eq!(linker.constants("D\n".to_owned()).link("other").unwrap().text, "C\nD\nb\n");
 }
 
 #[test]
@@ -66,7 +74,7 @@ fn a_template_is_expanded_once_for_each_word() {
         ("t", "#import b\nf_V(V)"),
         ("b", "b"),
     ]);
-    assert_eq!(linker.link("a").unwrap(), "C\nb\nf_x(x)\nf_y(y)\n");
+    assert_eq!(linker.link("a").unwrap().text, "C\nb\nf_x(x)\nf_y(y)\n");
 }
 
 #[test]
@@ -82,7 +90,7 @@ fn slips_name_the_chain_that_leads_to_them() {
     ]);
     assert!(problem(&linker, "a").contains("include one another: a → b → c → a"));
     assert!(problem(&linker, "d").contains("no piece 'e': d → e"));
-    assert!(problem(&linker, "f").contains("'#inport b' in f"));
+    assert!(problem(&linker, "f").contains("f.wgsl:1: '#inport b'"));
     assert!(problem(&linker, "g").contains("there is no W to replace: g → f"));
     assert!(problem(&linker, "h").contains("'W' is not NAME=WORD: h → f"));
 }
@@ -107,11 +115,12 @@ fn every_file_below_shaders_is_a_piece() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders");
     let mut names = BTreeSet::new();
     names_below(&root, &root, &mut names);
-    assert!(names.iter().map(String::as_str).eq(Linker::new().pieces.into_keys()), "{names:?}");
+    let linker = Linker::new();
+    assert!(names.iter().map(String::as_str).eq(linker.names().filter(|name| !name.starts_with("struct/"))));
 }
 
 /// Shaders that use all that threshold and selection methods bring, for each value of each choice.
-fn probes_of_methods() -> Vec<(Method, String)> {
+fn probes_of_methods() -> Vec<(Method, Linked)> {
     let drawing = variants().filter(|method| method.family().shades_one_fragment());
     let probe = |method: Method| {
         let probe = if method.family() == Family::Selection { "probe/selection" } else { "probe/threshold" };
@@ -147,15 +156,17 @@ fn every_shared_piece_of_numbers_is_valid_alone() {
 
 #[test]
 fn a_slip_in_a_shader_is_found() {
-    let (_, text) = probes_of_methods().swap_remove(0);
+    let (_, shader) = probes_of_methods().swap_remove(0);
     for (from, to) in [("-> f32", "-> u32"), ("LCG_INCREMENT;", "LCG_INCREMENTS;"), ("v * ", "v *, ")] {
-        assert!(text.contains(from), "{from}");
-        assert!(validate(&text.replacen(from, to, 1)).is_err(), "{from}");
+        assert!(shader.text.contains(from), "{from}");
+        let mut slip = shader.clone();
+        slip.text = shader.text.replacen(from, to, 1);
+        assert!(validate(&slip).is_err(), "{from}");
     }
 }
 
 /// All shaders of both paths that a method may take, by name.
-fn passes_of(method: &Method, tracer: Tracer) -> Vec<(String, String)> {
+fn passes_of(method: &Method, tracer: Tracer) -> Vec<(String, Linked)> {
     let plain = base_linker(tracer).constants(Tables::new(&[], [4, 0]).constants());
     let linker = plain.clone().method(method);
     let Some(search) = Search::of(method) else {
@@ -197,7 +208,7 @@ fn every_pass_of_every_method_is_a_valid_shader() {
 }
 
 /// What a device with four samples a pixel says of itself.
-fn report() -> AdapterReport {
+pub(super) fn report() -> AdapterReport {
     AdapterReport {
         name: "made up".to_owned(),
         kind: "software",
@@ -207,6 +218,9 @@ fn report() -> AdapterReport {
         timestamps: false,
         msaa: vec![4],
         max_storage_bytes: 1 << 27,
+        max_storage_buffers: 64,
+        compute: true,
+        storage_in_raster: true,
     }
 }
 
@@ -287,4 +301,59 @@ fn shadow_maps_are_valid_shaders_to_make_and_to_read() {
         let error = MapSettings::of(&other.parse().unwrap()).unwrap_err().to_string();
         assert!(error.contains(other) && error.contains("take --shadow stochastic-map"), "{error}");
     }
+}
+
+fn taa() -> Antialiasing {
+    "taa".parse().unwrap()
+}
+
+#[test]
+fn the_sources_of_pipelines_are_written_where_the_user_asks() {
+    let folder = std::env::temp_dir().join(format!("sheer-shaders-{}", std::process::id()));
+    let mut gpu = Arc::into_inner(Gpu::new(&AdapterChoice::Best).unwrap()).unwrap();
+    gpu.shader_folder = Some(folder.clone());
+    History::new(&gpu, taa(), [8, 8]).unwrap();
+    let files: Vec<_> = fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+    let [file] = &files[..] else { panic!("{files:?}") };
+    let name = file.file_name().unwrap().to_str().unwrap();
+    assert!(name.starts_with("pass-resolve-") && name.ends_with(".wgsl"), "{name}");
+    let text = fs::read_to_string(file).unwrap();
+    for piece in ["// constants.wgsl, from", "// temporal/taa.wgsl, from", "// struct/PixelRecord.wgsl, from"]
+    {
+        assert!(text.contains(piece), "{piece} is not in\n{text}");
+    }
+    naga::front::wgsl::parse_str(&text).unwrap();
+    fs::remove_dir_all(&folder).unwrap();
+    // A file in the way of the folder is told, with the variable that asked for it.
+    fs::write(&folder, "").unwrap();
+    let error = History::new(&gpu, taa(), [8, 8]).unwrap_err().to_string();
+    fs::remove_file(&folder).unwrap();
+    assert!(error.contains("SHEER_SHADERS") && error.contains("cannot be written"), "{error}");
+}
+
+#[test]
+fn errors_are_told_by_piece_and_line_in_every_position() {
+    let pieces = [
+        ("pass/a", "#import shared/b\n\nfn a() -> u32 {\n    return b();\n}\n"),
+        ("shared/b", "// A comment.\n#expand shared/t WORD=x\nfn b() -> f32 {\n    return x_one;\n}\n"),
+        ("shared/t", "\nconst WORD_one: f32 = 1.0;\n"),
+    ];
+    let linked = Linker::of_pieces(&pieces, "const C: u32 = 1u;\n".to_owned()).link("pass/a").unwrap();
+    let lines: Vec<_> = linked.text.lines().collect();
+    for (piece, text) in pieces {
+        // Every line that is left of a piece is led back to where it stands there.
+        for (at, line) in lines.iter().enumerate() {
+            let (from, row) = linked.origin(at + 1).unwrap();
+            if from == piece {
+                let original = text.lines().nth(row as usize - 1).unwrap();
+                assert_eq!(*line, original.replace("WORD", "x"), "{piece}, line {row}");
+            }
+        }
+    }
+    // The wrong type is returned in line 4 of the pass, which is another line of the whole.
+    let error = validate(&linked).unwrap_err();
+    assert!(error.contains("pass/a.wgsl:"), "{error}");
+    assert!(!error.contains("─ wgsl:"), "{error}");
+    assert_eq!(linked.origin(0), None);
+    assert_eq!(linked.origin(lines.len() + 1), None);
 }

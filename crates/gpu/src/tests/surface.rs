@@ -11,17 +11,19 @@ use sheer_scene::{Animator, CameraChoice, FaceSide, Frame};
 
 use wgpu::{BufferBindingType, BufferUsages};
 
-use super::harness::{self, COMPUTE, GPU};
+use super::harness::{self, ANSWER_LENGTH, COMPUTE, GPU};
 use crate::{
-    frame::FrameUniform,
     resource::bind_group::{buffer_entry, read_only_entry, whole},
     scene::SceneBuffers,
+    shader::{
+        binding::{BIND_FRAME, BIND_PROBE_IN, BIND_PROBE_OUT, BIND_TABLES},
+        numbers::PROBE_GROUP,
+        record::frame::FrameUniform,
+    },
     tables::Tables,
 };
 
 const QUERIES: usize = 4096;
-/// `ANSWER_LENGTH` of the probe.
-const ANSWER_LENGTH: usize = 36;
 
 /// A point of a triangle, as the probe reads it.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
@@ -35,11 +37,16 @@ struct Query {
 
 /// One for all tests: software drivers take seconds to compile the probe.
 static PROBE: LazyLock<wgpu::ComputePipeline> = LazyLock::new(|| {
-    let uniform = buffer_entry(0, COMPUTE, BufferBindingType::Uniform);
-    let scene: Vec<_> =
-        [uniform, read_only_entry(14, COMPUTE)].into_iter().chain(SceneBuffers::layout_entries()).collect();
-    let written = buffer_entry(1, COMPUTE, BufferBindingType::Storage { read_only: false });
-    harness::pipeline(harness::link("probe/surface"), &[&scene, &[read_only_entry(0, COMPUTE), written]])
+    let uniform = buffer_entry(BIND_FRAME, COMPUTE, BufferBindingType::Uniform);
+    let scene: Vec<_> = [uniform, read_only_entry(BIND_TABLES, COMPUTE)]
+        .into_iter()
+        .chain(SceneBuffers::layout_entries())
+        .collect();
+    let written = buffer_entry(BIND_PROBE_OUT, COMPUTE, BufferBindingType::Storage { read_only: false });
+    harness::pipeline(
+        &harness::link("probe/surface"),
+        &[&scene, &[read_only_entry(BIND_PROBE_IN, COMPUTE), written]],
+    )
 });
 
 type Answer = [f32; ANSWER_LENGTH];
@@ -55,10 +62,12 @@ fn ask(scene: &SceneBuffers, frame: &Frame, queries: &[Query]) -> Vec<Answer> {
     let tables = harness::buffer(bytemuck::cast_slice(&tables.words), BufferUsages::STORAGE);
     let asked = harness::buffer(bytemuck::cast_slice(queries), BufferUsages::STORAGE);
     let answers = harness::results(size_of::<Answer>() * queries.len());
-    let group_0: Vec<_> =
-        [whole(0, &uniform), whole(14, &tables)].into_iter().chain(scene.entries()).collect();
-    let group_1 = [whole(0, &asked), whole(1, &answers)];
-    let workgroups = queries.len().div_ceil(64) as u32;
+    let group_0: Vec<_> = [whole(BIND_FRAME, &uniform), whole(BIND_TABLES, &tables)]
+        .into_iter()
+        .chain(scene.entries())
+        .collect();
+    let group_1 = [whole(BIND_PROBE_IN, &asked), whole(BIND_PROBE_OUT, &answers)];
+    let workgroups = queries.len().div_ceil(PROBE_GROUP as usize) as u32;
     bytemuck::pod_collect_to_vec(&harness::run(&PROBE, &[&group_0, &group_1], workgroups, &answers))
 }
 
@@ -107,8 +116,8 @@ fn expected(frame: &Frame, query: &Query) -> Answer {
     values.try_into().unwrap()
 }
 
-/// Queries that are answered otherwise than by the CPU: by more than 1e-5 of a value, or of 1 where it is smaller. That is a hundred
-/// roundings: as many as a lookup has operations.
+/// Queries that are answered otherwise than by the CPU: by more than 1e-5 of a value, or of 1 where it is
+/// smaller. That is a hundred roundings: as many as a lookup has operations.
 fn wrong(frame: &Frame, queries: &[Query], answers: &[Answer]) -> Vec<String> {
     assert_eq!(queries.len(), answers.len());
     let pairs = queries.iter().zip(answers);

@@ -5,47 +5,24 @@ use sheer_accel::{Bvh, Hit, Ray};
 
 use wgpu::{BufferBindingType, BufferUsages};
 
-use super::harness::{self, COMPUTE, GPU};
+use super::{
+    harness::{self, COMPUTE, GPU},
+    shaders::validate,
+};
 use crate::{
-    accel::{self, Accel, driver::DriverAccel, tree::TreeAccel},
+    accel::{Accel, driver::DriverAccel, tree::TreeAccel},
     device::Tracer,
+    pipeline::base_linker,
     resource::bind_group::{buffer_entry, read_only_entry, whole},
+    shader::{
+        binding::{BIND_POSITIONS, BIND_PROBE_IN, BIND_PROBE_OUT},
+        constant::{self, Constant},
+        linked::Linked,
+        numbers::PROBE_GROUP,
+    },
 };
 
-/// The part of shared/scene.wgsl that the triangle test reads.
-const SCENE: &str = "@group(0) @binding(1) var<storage, read> positions: array<f32>;\n";
-
-/// Two visitors: all hits, and the nearest with the lowest index. Hits of DROPPED do not count.
-const PROBE: &str = r"
-struct ProbeRay { origin: vec3f, t_min: f32, direction: vec3f, t_max: f32 }
-struct Answer { count: u32, sum: u32, t: f32, u: f32, v: f32, triangle: u32, front: u32, differs: u32 }
-@group(0) @binding(2) var<storage, read> rays: array<ProbeRay>;
-@group(0) @binding(3) var<storage, read_write> answers: array<Answer>;
-var<private> count: u32;
-var<private> sum: u32;
-var<private> best: Hit;
-fn visit_all(hit: Hit) -> u32 {
-    if hit.triangle != DROPPED { count++; sum += hit.triangle; }
-    return GO_ON;
-}
-fn visit_closest(hit: Hit) -> u32 {
-    if best.triangle == MISS || hit.t < best.t || hit.triangle < best.triangle { best = hit; return END_HERE; }
-    return GO_ON;
-}
-@compute @workgroup_size(64) fn cs_probe(@builtin(global_invocation_id) id: vec3u) {
-    let ray = rays[id.x];
-    best = no_hit();
-    traverse_all(ray.origin, ray.direction, ray.t_min, ray.t_max);
-    traverse_closest(ray.origin, ray.direction, ray.t_min, ray.t_max);
-    var differs = 0u;
-    if best.triangle != MISS {
-        let again = barycentrics(watertight_ray(ray.origin, ray.direction), best.triangle);
-        differs = u32(again.t != best.t || again.u != best.u || again.v != best.v || again.front != best.front);
-    }
-    answers[id.x] = Answer(count, sum, best.t, best.u, best.v, best.triangle, u32(best.front), differs);
-}
-";
-
+/// As shaders/probe/traversal.wgsl has it.
 #[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 struct Answer {
@@ -60,31 +37,10 @@ struct Answer {
     differs: u32,
 }
 
-fn source(tracer: Tracer, dropped: u32) -> String {
-    let template = match tracer {
-        Tracer::Query => include_str!("../../shaders/shared/traverse_query.wgsl"),
-        Tracer::Bvh => include_str!("../../shaders/shared/traverse_bvh.wgsl"),
-    };
-    let (enable, accel) = match tracer {
-        Tracer::Query => ("enable wgpu_ray_query;\n", include_str!("../../shaders/shared/accel_query.wgsl")),
-        Tracer::Bvh => ("", include_str!("../../shaders/shared/accel_bvh.wgsl")),
-    };
-    let pieces = [
-        enable,
-        &accel::constants(),
-        &format!("const MISS: u32 = 0xffffffffu;\nconst DROPPED: u32 = {dropped}u;\n"),
-        SCENE,
-        include_str!("../../shaders/shared/hit.wgsl"),
-        include_str!("../../shaders/shared/visit.wgsl"),
-        include_str!("../../shaders/shared/intersect.wgsl"),
-        &accel.replace("enable wgpu_ray_query;\n", ""),
-        &template.replace("VISITOR", "all"),
-        &template.replace("VISITOR", "closest"),
-        PROBE,
-    ];
-    let lines: Vec<&str> =
-        pieces.iter().flat_map(|piece| piece.lines()).filter(|line| !line.starts_with('#')).collect();
-    lines.join("\n")
+/// The piece probe/traversal over a tracer; hits of the triangle `dropped` do not count.
+fn source(tracer: Tracer, dropped: u32) -> Linked {
+    let constants = constant::text(&[Constant::new("DROPPED", dropped)]);
+    base_linker(tracer).constants(constants).link("probe/traversal").unwrap()
 }
 
 fn positions(triangles: &[[Vec3; 3]]) -> wgpu::Buffer {
@@ -134,12 +90,15 @@ fn probe(
     let packed = harness::buffer(bytemuck::cast_slice(&packed), BufferUsages::STORAGE);
     let answers = harness::results(size_of::<Answer>() * rays.len());
     let [first, second] = Accel::layout_entries(tracer, COMPUTE);
-    let written = buffer_entry(3, COMPUTE, BufferBindingType::Storage { read_only: false });
-    let layout = [read_only_entry(1, COMPUTE), read_only_entry(2, COMPUTE), written, first, second];
-    let pipeline = harness::pipeline(source(tracer, dropped), &[&layout]);
+    let scene = [read_only_entry(BIND_POSITIONS, COMPUTE), first, second];
+    let written = buffer_entry(BIND_PROBE_OUT, COMPUTE, BufferBindingType::Storage { read_only: false });
+    let own = [read_only_entry(BIND_PROBE_IN, COMPUTE), written];
+    let pipeline = harness::pipeline(&source(tracer, dropped), &[&scene, &own]);
     let [first, second] = accel;
-    let group = [whole(1, positions), whole(2, &packed), whole(3, &answers), first, second];
-    bytemuck::pod_collect_to_vec(&harness::run(&pipeline, &[&group], rays.len() as u32 / 64, &answers))
+    let scene = [whole(BIND_POSITIONS, positions), first, second];
+    let own = [whole(BIND_PROBE_IN, &packed), whole(BIND_PROBE_OUT, &answers)];
+    let workgroups = rays.len() as u32 / PROBE_GROUP;
+    bytemuck::pod_collect_to_vec(&harness::run(&pipeline, &[&scene, &own], workgroups, &answers))
 }
 
 /// PCG output permutation over a counter.
@@ -237,8 +196,8 @@ fn distance(answer: &Answer, expected: &Expected) -> f32 {
     })
 }
 
-/// Whether the ray passes an edge of some triangle within 1e-5 of the triangle's height over it, or an end of its interval
-/// within a relative 1e-5.
+/// Whether the ray passes an edge of some triangle within 1e-5 of the triangle's height over it, or an end of
+/// its interval within a relative 1e-5.
 fn is_near_edge(ray: &Ray, triangles: &[[Vec3; 3]]) -> bool {
     let (origin, direction) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
     triangles.iter().any(|triangle| {
@@ -265,13 +224,7 @@ fn scenes() -> Vec<(&'static str, Vec<[Vec3; 3]>)> {
 #[test]
 fn both_traversals_are_valid_wgsl() {
     for tracer in [Tracer::Query, Tracer::Bvh] {
-        let source = source(tracer, u32::MAX);
-        let module = naga::front::wgsl::parse_str(&source).unwrap_or_else(|error| panic!("{error:?}"));
-        let mut validator = naga::valid::Validator::new(
-            naga::valid::ValidationFlags::all(),
-            naga::valid::Capabilities::all(),
-        );
-        validator.validate(&module).unwrap_or_else(|error| panic!("{}", error.emit_to_string(&source)));
+        validate(&source(tracer, u32::MAX)).unwrap_or_else(|error| panic!("{tracer:?}: {error}"));
     }
 }
 
@@ -289,8 +242,8 @@ fn our_tree_gives_the_hits_of_the_cpu() {
                 expected.closest
             );
             assert_eq!(answer.differs, 0, "{name}, ray {index}");
-            // Where an area rounds to 0 the CPU takes f64, the shader pairs of f32: the last places differ. Only a ray that was
-            // aimed at an edge gets there.
+            // Where an area rounds to 0 the CPU takes f64, the shader pairs of f32: the last places differ.
+            // Only a ray that was aimed at an edge gets there.
             let distance = distance(answer, expected);
             assert!(distance == 0.0 || index % 8 == 0 && distance <= 1e-6, "{name}, ray {index}: {distance}");
             inexact += usize::from(distance != 0.0);

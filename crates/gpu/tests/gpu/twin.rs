@@ -123,7 +123,7 @@ fn a_further_traversal_of_selection_merges_nothing() {
     let mut stage = GpuStage::new(&GPU, scene, &CameraChoice::Default, None).unwrap();
     let method: Method = "joint".parse().unwrap();
     let mut pipeline =
-        GpuPipeline::new(&GPU, GpuPathChoice::Ray, method, Antialiasing::None, settings(0)).unwrap();
+        GpuPipeline::new(&GPU, GpuPathChoice::Ray, method, Antialiasing::NONE, settings(0)).unwrap();
     stage.advance(pipeline.clock().at(0)).unwrap();
     let (counters, _) = pipeline.render(&mut stage, 0).unwrap();
     let pixels = u64::from(SIZE[0]) * u64::from(SIZE[1]);

@@ -36,6 +36,30 @@ pub const FIBRE_BACK: f32 = 0.15;
 /// degrees (Marschner et al. 2003).
 pub const FIBRE_TILT: f32 = 0.05;
 
+/// Coefficients of the closed forms of Karis 2016 (*Physically Based Hair Shading in Unreal*): the logarithm
+/// of what shines through a fibre is the first of them by the cosine of the angle around it, plus the second.
+pub const FIBRE_THROUGH_FIT: [f32; 2] = [-3.65, -3.98];
+/// The same for what its far side reflects.
+pub const FIBRE_BACK_FIT: [f32; 2] = [17.0, -16.78];
+/// Shares of the light of a puff that wraps around it and that shines through it. By eye: more of the second
+/// glows against the sun.
+pub const SMOKE_SHARES: [f32; 2] = [0.7, 0.3];
+/// Slopes, by roughness, of the fit of the specular lobe's albedo (Karis 2014, *Physically Based Shading on
+/// Mobile*, `c0`).
+pub const SPECULAR_FIT_SLOPES: [f32; 4] = [-1.0, -0.0275, -0.572, 0.022];
+/// Where these begin (`c1` there).
+pub const SPECULAR_FIT_STARTS: [f32; 4] = [1.0, 0.0425, 1.04, -0.04];
+/// How fast the fit falls off towards the normal, in octaves a unit of cosine.
+pub const SPECULAR_FIT_FALL: f32 = -9.28;
+/// The share of the fit's grazing part that goes over from the lobe's scale to its bias.
+pub const SPECULAR_FIT_GRAZING: f32 = 1.04;
+/// Cosines below count as this one, which keeps the divisors of the BRDF away from zero.
+pub const LEAST_COSINE: f32 = 1e-3;
+/// A spot's cone has a soft edge at least as wide as this, in cosines: a division.
+pub const LEAST_CONE: f32 = 1e-4;
+/// Squares of distances below count as this one: light does not become infinite at a lamp.
+pub const LEAST_SQUARE_DISTANCE: f32 = 1e-8;
+
 /// Light that arrives at a surface from one light.
 struct Incident {
     /// Unit direction towards the light.
@@ -126,7 +150,7 @@ fn arriving(light: &FrameLight, position: Vec3) -> Option<Incident> {
     let (to_light, distance) = toward(light, position);
     let falloff = |range: f32| {
         let window = (1.0 - (distance / range).powi(4)).clamp(0.0, 1.0);
-        window / (distance * distance).max(1e-8)
+        window / (distance * distance).max(LEAST_SQUARE_DISTANCE)
     };
     let strength = match light.kind {
         LightKind::Directional => 1.0,
@@ -134,7 +158,7 @@ fn arriving(light: &FrameLight, position: Vec3) -> Option<Incident> {
         LightKind::Spot { range, inner_cone_rad, outer_cone_rad } => {
             let cosine = light.direction.dot(-to_light);
             let (inner, outer) = (inner_cone_rad.cos(), outer_cone_rad.cos());
-            let cone = ((cosine - outer) / (inner - outer).max(1e-4)).clamp(0.0, 1.0);
+            let cone = ((cosine - outer) / (inner - outer).max(LEAST_CONE)).clamp(0.0, 1.0);
             falloff(range) * cone * cone
         }
     };
@@ -158,7 +182,7 @@ impl Lobes {
         Self {
             diffuse: surface.base_colour * (1.0 - surface.metallic),
             f0: Vec3::splat(DIELECTRIC_F0).lerp(surface.base_colour, surface.metallic),
-            n_dot_v: surface.normal.dot(to_viewer).max(1e-3),
+            n_dot_v: surface.normal.dot(to_viewer).max(LEAST_COSINE),
             roughness: surface.roughness.clamp(MIN_ROUGHNESS, 1.0),
         }
     }
@@ -167,7 +191,7 @@ impl Lobes {
     /// appendix B.3).
     fn reflect(&self, surface: &Surface, to_viewer: Vec3, to_light: Vec3) -> Vec3 {
         let half = (to_viewer + to_light).normalize_or(surface.normal);
-        let n_dot_l = surface.normal.dot(to_light).max(1e-3);
+        let n_dot_l = surface.normal.dot(to_light).max(LEAST_COSINE);
         let n_dot_h = surface.normal.dot(half).clamp(0.0, 1.0);
         let v_dot_h = to_viewer.dot(half).clamp(0.0, 1.0);
         let alpha = self.roughness * self.roughness;
@@ -183,9 +207,10 @@ impl Lobes {
     /// Directional albedo of the specular lobe (Karis 2014, *Physically Based Shading on Mobile*).
     fn environment_specular(&self) -> Vec3 {
         let r = self.roughness;
-        let (x, y, z, w) = (1.0 - r, 0.0425 - 0.0275 * r, 1.04 - 0.572 * r, 0.022 * r - 0.04);
-        let grazing = (x * x).min((-9.28 * self.n_dot_v).exp2()) * x + y;
-        let (scale, bias) = (-1.04 * grazing + z, 1.04 * grazing + w);
+        let [x, y, z, w] =
+            std::array::from_fn(|index| SPECULAR_FIT_SLOPES[index] * r + SPECULAR_FIT_STARTS[index]);
+        let grazing = (x * x).min((SPECULAR_FIT_FALL * self.n_dot_v).exp2()) * x + y;
+        let (scale, bias) = (-SPECULAR_FIT_GRAZING * grazing + z, SPECULAR_FIT_GRAZING * grazing + w);
         self.f0 * scale + Vec3::splat(bias.max(0.0))
     }
 }
@@ -198,7 +223,7 @@ fn smoke_phase(surface: &Surface, to_viewer: Vec3, to_light: Vec3) -> Vec3 {
     let g = SMOKE_ANISOTROPY;
     let cosine = -to_viewer.dot(to_light);
     let forward = (1.0 - g * g) / (4.0 * (1.0 + g * g - 2.0 * g * cosine).powf(1.5));
-    surface.base_colour * (0.7 * wrapped + 0.3 * forward) / PI
+    surface.base_colour * (SMOKE_SHARES[0] * wrapped + SMOKE_SHARES[1] * forward) / PI
 }
 
 /// The part of a direction that is perpendicular to a unit axis.
@@ -223,8 +248,12 @@ fn fibre_scattering(surface: &Surface, to_viewer: Vec3, to_light: Vec3) -> Vec3 
         (-0.5 * offset * offset).exp() / (width * (2.0 * PI).sqrt())
     };
     let reflected = FIBRE_SURFACE * lobe(-2.0 * FIBRE_TILT, width) * 0.25 * (0.5 + 0.5 * around).sqrt();
-    let through = FIBRE_THROUGH * lobe(FIBRE_TILT, 0.5 * width) * (-3.65 * around - 3.98).exp();
-    let back = FIBRE_BACK * lobe(4.0 * FIBRE_TILT, 2.0 * width) * (17.0 * around - 16.78).exp();
+    let through = FIBRE_THROUGH
+        * lobe(FIBRE_TILT, 0.5 * width)
+        * (FIBRE_THROUGH_FIT[0] * around + FIBRE_THROUGH_FIT[1]).exp();
+    let back = FIBRE_BACK
+        * lobe(4.0 * FIBRE_TILT, 2.0 * width)
+        * (FIBRE_BACK_FIT[0] * around + FIBRE_BACK_FIT[1]).exp();
     let diffuse = (1.0 - FIBRE_THROUGH - FIBRE_BACK) * (1.0 + around) / (PI * PI);
     let inside = (1.0 - FIBRE_SURFACE) * (through + back + diffuse);
     (Vec3::splat(reflected) + surface.base_colour * inside) * cosine

@@ -16,7 +16,10 @@ use sheer_scene::FrameLight;
 
 use self::technique::{Map, Technique, View};
 pub(crate) use self::technique::{Receiver, toward};
-pub use self::{mask::Sampling, technique::ShadowInfo};
+pub use self::{
+    mask::Sampling,
+    technique::{LIFT_ROUNDING, ShadowInfo},
+};
 use crate::{cost::Counters, error::RenderError, stage::Stage};
 
 mod blockers;

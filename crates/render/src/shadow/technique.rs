@@ -82,11 +82,15 @@ pub(crate) struct Receiver {
     pub(crate) key: [u32; 3],
 }
 
+/// Share of its largest coordinate by which a point is lifted off its surface, beside a share of the scene's
+/// size: a few times the rounding of a 32-bit coordinate.
+pub const LIFT_ROUNDING: f32 = 4e-6;
+
 impl Receiver {
     /// How far to step off the surface so that rounding does not shadow it by itself: a share of the scene's
     /// size, and a few times the rounding error of a 32-bit coordinate.
     pub(super) fn lift(&self, stage: &Stage) -> f32 {
-        stage.lift() + self.position.abs().max_element() * 4e-6
+        stage.lift() + self.position.abs().max_element() * LIFT_ROUNDING
     }
 }
 

@@ -1,0 +1,25 @@
+//! What passes read that add frames up over time.
+
+use glam::UVec2;
+
+use crate::shader::declaration::shader_struct;
+
+shader_struct! {
+    /// What passes read that add frames up over time.
+    struct TemporalUniform {
+        /// Columns and rows of pixels.
+        size: UVec2,
+        /// How many frames the history holds.
+        count: u32,
+        /// Side of the dithering pattern, pixels.
+        alignment_px: u32,
+        /// Number of the frame in the clip.
+        frame: u32,
+        /// Seed of the run's random numbers.
+        seed: u32,
+        /// One of the numbers `ALIGN_…`: how motion vectors are aligned to the pattern.
+        alignment_rule: u32,
+        /// Fills the last row.
+        padding: u32,
+    }
+}
