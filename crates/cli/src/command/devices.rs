@@ -1,6 +1,6 @@
 //! `sheer devices`: the GPUs of this machine and what they can run.
 
-use sheer_gpu::{AdapterReport, GpuError, adapters};
+use sheer_gpu::{AdapterReport, GpuError, GpuPath, GpuPathChoice, adapters};
 
 use crate::{
     args::DevicesArguments,
@@ -29,11 +29,13 @@ pub(crate) fn run(arguments: &DevicesArguments) -> anyhow::Result<()> {
 }
 
 fn device((index, report): (usize, AdapterReport)) -> Device {
+    let supported = GpuPath::supported_by(&report);
     let AdapterReport { name, kind, driver, api, ray_query, timestamps, msaa, max_storage_bytes, .. } =
         report;
     // Without ray query, rays go through our own tree, and by themselves methods are drawn.
-    let automatic = if ray_query { "gpu:ray" } else { "gpu:raster" };
-    let paths = vec!["gpu:ray", "gpu:raster"];
+    let preferred = if ray_query { GpuPath::Ray } else { GpuPath::Raster };
+    let automatic = supported.iter().copied().find(|path| *path == preferred).map(word);
+    let paths: Vec<_> = supported.into_iter().map(word).collect();
     Device {
         index,
         name,
@@ -64,13 +66,28 @@ fn table(devices: &[Device]) -> Table {
             yes_or_no(device.ray_query),
             yes_or_no(device.timestamps),
             if msaa.is_empty() { "–".to_owned() } else { msaa.join(" ") },
-            format!("{} ({} too)", device.automatic, other_path(device)),
+            backends(device),
         ]);
     }
     table
 }
 
-/// What is to be had by asking for it.
-fn other_path(device: &Device) -> &'static str {
-    device.paths.iter().find(|path| **path != device.automatic).copied().unwrap_or(device.automatic)
+/// The word of `--backend`.
+fn word(path: GpuPath) -> &'static str {
+    match path {
+        GpuPath::Ray => GpuPathChoice::Ray.name(),
+        GpuPath::Raster => GpuPathChoice::Raster.name(),
+    }
+}
+
+/// What `--backend gpu` is, and what is to be had by asking for it.
+fn backends(device: &Device) -> String {
+    let others = device.paths.iter().filter(|path| Some(**path) != device.automatic);
+    let others: Vec<_> = others.map(|path| format!("{path} too")).collect();
+    match (device.automatic, others.as_slice()) {
+        (None, []) => "none".to_owned(),
+        (None, _) => others.join(", "),
+        (Some(automatic), []) => automatic.to_owned(),
+        (Some(automatic), _) => format!("{automatic} ({})", others.join(", ")),
+    }
 }

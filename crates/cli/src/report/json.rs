@@ -212,8 +212,8 @@ pub(crate) struct Device {
     pub(crate) max_storage_bytes: u64,
     /// Backends that run on it.
     pub(crate) paths: Vec<&'static str>,
-    /// The one that `--backend gpu` is for methods that go by rays.
-    pub(crate) automatic: &'static str,
+    /// The one that `--backend gpu` is for methods that go by rays; null if it does not run.
+    pub(crate) automatic: Option<&'static str>,
 }
 
 /// `sheer verify --json`.
