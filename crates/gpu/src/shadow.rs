@@ -9,7 +9,7 @@
 use sheer_core::hash::pcg3d;
 use sheer_render::{
     Shadow,
-    shadow::projection::{DEPTH_ROUNDING, FACET_SLOPE, Face, Lens, Projection, STEEPEST, TAP_STEP},
+    shadow::projection::{DEPTH_ROUNDING, FACET_SLOPE, Face, FaceLens, Projection, STEEPEST, TAP_STEP},
 };
 use wgpu::{BindGroupEntry, BindGroupLayoutEntry, BufferBindingType, BufferUsages, ShaderStages};
 
@@ -99,8 +99,8 @@ impl MapSettings {
 impl From<&Face> for ShadowFace {
     fn from(face: &Face) -> Self {
         let ([width, height], is_central, origin) = match face.lens {
-            Lens::Parallel { low, texel } => (texel.into(), 0, low),
-            Lens::Central { eye, half_width } => ([half_width; 2], 1, eye),
+            FaceLens::Parallel { low, texel } => (texel.into(), 0, low),
+            FaceLens::Central { eye, half_width } => ([half_width; 2], 1, eye),
         };
         Self {
             right: face.axes.x_axis,

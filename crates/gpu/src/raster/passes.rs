@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use sheer_render::contract::{Passes, Resource, Step, Work};
+use sheer_render::contract::{Passes, Resource, Step, StepKind};
 use wgpu::{
     BindGroupLayoutEntry, BufferBindingType, BufferUsages, Features, ShaderStages, TextureFormat,
     TextureUsages,
@@ -129,17 +129,17 @@ impl Program {
         resources: &[DeviceResource],
     ) -> Result<Self, GpuError> {
         let device = parts.gpu.device();
-        let stage = match step.work {
-            Work::Draw { .. } => ShaderStages::FRAGMENT,
-            Work::Pixels => ShaderStages::COMPUTE,
+        let stage = match step.kind {
+            StepKind::Draw { .. } => ShaderStages::FRAGMENT,
+            StepKind::Pixels => ShaderStages::COMPUTE,
         };
         let mut entries =
             vec![texture_entry(BIND_OPAQUE_SURFACES, stage, wgpu::TextureSampleType::Uint, false)];
         entries
             .extend(step.bound.iter().map(|&(binding, index)| resources[index].layout_entry(binding, stage)));
         let layout = layout(&device, step.entry_point, &entries);
-        let pipeline = match &step.work {
-            Work::Draw { targets, depth } => {
+        let pipeline = match &step.kind {
+            StepKind::Draw { targets, depth } => {
                 let targets: Vec<_> = targets
                     .iter()
                     .map(|&(index, blend)| (resources[index].texture().1, blend.map(blend_state)))
@@ -156,7 +156,7 @@ impl Program {
                 };
                 Runnable::Draw(draw.build(parts))
             }
-            Work::Pixels => {
+            StepKind::Pixels => {
                 let groups = [&parts.layouts.scene, &parts.layouts.pass, &layout];
                 Runnable::Pixels(compute_pipeline(&device, step.name, &groups, module, step.entry_point))
             }
@@ -170,7 +170,7 @@ impl Program {
 fn blending_features(steps: &[Step], resources: &[DeviceResource]) -> Features {
     let mut features = Features::empty();
     for step in steps {
-        if let Work::Draw { targets, .. } = &step.work {
+        if let StepKind::Draw { targets, .. } = &step.kind {
             for (index, _) in targets.iter().filter(|(_, blend)| blend.is_some()) {
                 features |= blend_features(resources[*index].texture().1);
             }
@@ -221,8 +221,8 @@ impl DrawnPasses {
             }
         }
         for (step, group) in &self.steps {
-            match (&step.work, &self.programs[step.entry_point].pipeline) {
-                (Work::Draw { targets, depth }, Runnable::Draw(pipeline)) => {
+            match (&step.kind, &self.programs[step.entry_point].pipeline) {
+                (StepKind::Draw { targets, depth }, Runnable::Draw(pipeline)) => {
                     let attached = |&(index, _): &(usize, _)| {
                         let (target, _, clear) = self.resources[index].texture();
                         Some(target.cleared(clear))
@@ -231,7 +231,7 @@ impl DrawnPasses {
                     let depth = depth.map(|index| self.resources[index].texture().0.cleared_depth());
                     recording.draw(step.name, pipeline, groups, Some(group), &targets, depth);
                 }
-                (Work::Pixels, Runnable::Pixels(pipeline)) => {
+                (StepKind::Pixels, Runnable::Pixels(pipeline)) => {
                     recording.for_each_pixel(step.name, pipeline, groups, Some(group));
                 }
                 _ => unreachable!("a program is made for its step's work"),

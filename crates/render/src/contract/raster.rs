@@ -102,7 +102,7 @@ pub struct Step {
     /// Name of a function in the method's shader.
     pub entry_point: &'static str,
     /// What it runs over.
-    pub work: Work,
+    pub kind: StepKind,
     /// Bindings of group 2 and the indices in [`Passes::resources`] of what is bound there. Binding 0 is the
     /// opaque surface of the pixel, whatever the method.
     pub bound: Vec<(u32, usize)>,
@@ -116,13 +116,13 @@ impl Step {
     /// The step that ends the plan of every method.
     #[must_use]
     pub fn last(bound: Vec<(u32, usize)>) -> Self {
-        Self { name: "front", entry_point: Self::FINAL_ENTRY_POINT, work: Work::Pixels, bound }
+        Self { name: "front", entry_point: Self::FINAL_ENTRY_POINT, kind: StepKind::Pixels, bound }
     }
 }
 
 /// What a step runs over.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Work {
+pub enum StepKind {
     /// The fragments of all triangles.
     Draw {
         /// Indices of the targets, and how a fragment is blended with what is there; `None` replaces it.

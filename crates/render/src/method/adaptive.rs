@@ -21,7 +21,7 @@ use crate::contract::{
 const MOST_NODES: usize = 32;
 
 /// The row of the method in lists and help, and what a GPU needs of it.
-pub const INFO: MethodInfo = MethodInfo {
+pub(super) const INFO: MethodInfo = MethodInfo {
     id: "adaptive",
     title: "visibility over depth in N steps, then the sum of all fragments by it: two passes",
     paper: "Salvi, Montgomery, Lefohn 2011, Adaptive Transparency",
@@ -43,7 +43,7 @@ pub const INFO: MethodInfo = MethodInfo {
 
 /// Adaptive transparency with a bound on the steps of its visibility function.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Adaptive {
+pub(super) struct Adaptive {
     nodes: u32,
     retrace: Retrace,
 }
@@ -57,7 +57,7 @@ struct Node {
 
 /// A pixel's visibility function, and its light.
 #[derive(Clone, Debug)]
-pub struct Visibility {
+pub(super) struct Visibility {
     /// Front to back; one more than may stay.
     nodes: [Node; MOST_NODES + 1],
     len: usize,
@@ -66,11 +66,11 @@ pub struct Visibility {
 }
 
 impl Adaptive {
-    pub(crate) fn new(values: &Values) -> Self {
+    pub(super) fn new(values: &Values) -> Self {
         Self { nodes: values.count("nodes"), retrace: values.choice(Retrace::PARAMETER.key) }
     }
 
-    pub(crate) fn accept<V: Visitor>(&self, visitor: V) -> V::Output {
+    pub(super) fn accept<V: Visitor>(&self, visitor: V) -> V::Output {
         visitor.unordered(self)
     }
 }

@@ -20,7 +20,7 @@ choice! {
 }
 
 /// The row of the method in lists and help, and what a GPU needs of it.
-pub const INFO: MethodInfo = MethodInfo {
+pub(super) const INFO: MethodInfo = MethodInfo {
     id: "baseline",
     title: "every fragment shaded, front to back: the exact answer",
     paper: "Brüll, Kern, Grosch (STD), section 3.1",
@@ -38,19 +38,19 @@ pub const INFO: MethodInfo = MethodInfo {
 
 /// The exact answer, by either traversal.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Baseline {
+pub(super) struct Baseline {
     traversal: Traversal,
 }
 
 /// What remains visible and what has been seen.
 #[derive(Clone, Copy, Debug)]
-pub struct Accumulated {
+pub(super) struct Accumulated {
     rgb_premul: Vec3,
     visibility: f32,
 }
 
 impl Baseline {
-    pub(crate) fn new(values: &Values) -> Self {
+    pub(super) fn new(values: &Values) -> Self {
         let traversal = match values.choice("trace") {
             Trace::Sorted => Traversal::Sorted,
             Trace::Continuation => Traversal::Continuation,
@@ -58,7 +58,7 @@ impl Baseline {
         Self { traversal }
     }
 
-    pub(crate) fn accept<V: Visitor>(&self, visitor: V) -> V::Output {
+    pub(super) fn accept<V: Visitor>(&self, visitor: V) -> V::Output {
         visitor.ordered(self)
     }
 }

@@ -7,7 +7,7 @@ use super::static_noise::{MIDDLE_CONSTANT, NOISE_OF_ALL, Noise};
 use crate::contract::{BLUE_NOISE_SIDE, MethodInfo, ShaderConstant, Site, Tables, Threshold, Visitor};
 
 /// The row of the method in lists and help, and what a GPU needs of it.
-pub const INFO: MethodInfo = MethodInfo {
+pub(super) const INFO: MethodInfo = MethodInfo {
     id: "dtaa",
     title: "five thresholds dithered over space and time, one map for all objects; one shaded fragment a pixel",
     paper: "Epic Games, DitherTemporalAA; Brüll, Kern, Grosch (STD), section 2.2",
@@ -20,7 +20,7 @@ pub const INFO: MethodInfo = MethodInfo {
 };
 
 /// Rows and columns of the map, and how many thresholds it has.
-pub const SIDE: u32 = 5;
+pub(super) const SIDE: u32 = 5;
 /// [`SIDE`] for the shaders of all methods that take the map.
 pub(super) const SIDE_CONSTANT: ShaderConstant = ShaderConstant::count("DTAA_SIDE", SIDE);
 
@@ -29,16 +29,16 @@ const PERIOD_PX: u32 = SIDE * BLUE_NOISE_SIDE;
 
 /// Dither Temporal AA with or without its blue noise.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Dtaa {
+pub(super) struct Dtaa {
     noise: Noise,
 }
 
 impl Dtaa {
-    pub(crate) fn new(values: &Values) -> Self {
+    pub(super) fn new(values: &Values) -> Self {
         Self { noise: Noise::new(values) }
     }
 
-    pub(crate) fn accept<V: Visitor>(&self, visitor: V) -> V::Output {
+    pub(super) fn accept<V: Visitor>(&self, visitor: V) -> V::Output {
         visitor.threshold(self)
     }
 }

@@ -12,7 +12,7 @@ use super::{
 use crate::contract::{MethodInfo, ShaderConstant, ShaderTable, Site, Tables, Threshold, Visitor};
 
 /// The row of the method in lists and help, and what a GPU needs of it.
-pub const INFO: MethodInfo = MethodInfo {
+pub(super) const INFO: MethodInfo = MethodInfo {
     id: "dtaa-unique",
     title: "DTAA with the five thresholds permuted for each object (DTAA*); one shaded fragment a pixel",
     paper: "Brüll, Kern, Grosch (STD), sections 2.2 and 4",
@@ -20,7 +20,12 @@ pub const INFO: MethodInfo = MethodInfo {
     bias: "stacked layers: two of 120 permutations are not independent, so they hide one another too much or too little",
     parameters: &[HASH, IDENTITY, REHASH, NOISE],
     alignment_px: dtaa::SIDE,
-    constants: &[dtaa::SIDE_CONSTANT, SECOND_DRAW_CONSTANT, MIDDLE_CONSTANT, ShaderConstant::count("PERMUTATION_COUNT", PERMUTATION_COUNT as u32)],
+    constants: &[
+        dtaa::SIDE_CONSTANT,
+        SECOND_DRAW_CONSTANT,
+        MIDDLE_CONSTANT,
+        ShaderConstant::count("PERMUTATION_COUNT", PERMUTATION_COUNT as u32),
+    ],
     tables: &[ShaderTable {
         name: "TABLE_PERMUTATIONS",
         words: || PERMUTATIONS.as_flattened().iter().copied().map(u32::from).collect(),
@@ -28,24 +33,24 @@ pub const INFO: MethodInfo = MethodInfo {
 };
 
 /// Ways to order five thresholds.
-pub const PERMUTATION_COUNT: usize = 120;
+pub(super) const PERMUTATION_COUNT: usize = 120;
 
 /// All of them, one a row.
-pub const PERMUTATIONS: [[u8; dtaa::SIDE as usize]; PERMUTATION_COUNT] = permutations();
+pub(super) const PERMUTATIONS: [[u8; dtaa::SIDE as usize]; PERMUTATION_COUNT] = permutations();
 
 /// DTAA with a permutation for each object.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct DtaaUnique {
+pub(super) struct DtaaUnique {
     draw: ObjectDraw,
     noise: Noise,
 }
 
 impl DtaaUnique {
-    pub(crate) fn new(values: &Values) -> Self {
+    pub(super) fn new(values: &Values) -> Self {
         Self { draw: ObjectDraw::new(values), noise: Noise::new(values) }
     }
 
-    pub(crate) fn accept<V: Visitor>(&self, visitor: V) -> V::Output {
+    pub(super) fn accept<V: Visitor>(&self, visitor: V) -> V::Output {
         visitor.threshold(self)
     }
 }

@@ -20,7 +20,7 @@ use sheer_core::{
 use crate::contract::{MethodInfo, ShaderConstant, Site, Tables, Threshold, Visitor};
 
 /// The row of the method in lists and help, and what a GPU needs of it.
-pub const INFO: MethodInfo = MethodInfo {
+pub(super) const INFO: MethodInfo = MethodInfo {
     id: "hashed",
     title: "thresholds hashed from the place on the object, drawn anew each frame; one shaded fragment a pixel",
     paper: "Wyman, McGuire, Hashed Alpha Testing, 2017",
@@ -42,16 +42,16 @@ const MAX_LEVEL: f32 = 40.0;
 
 /// Hashed alpha testing with grains of a size.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Hashed {
+pub(super) struct Hashed {
     scale_px: f32,
 }
 
 impl Hashed {
-    pub(crate) fn new(values: &Values) -> Self {
+    pub(super) fn new(values: &Values) -> Self {
         Self { scale_px: values.real("scale") }
     }
 
-    pub(crate) fn accept<V: Visitor>(&self, visitor: V) -> V::Output {
+    pub(super) fn accept<V: Visitor>(&self, visitor: V) -> V::Output {
         visitor.threshold(self)
     }
 

@@ -18,7 +18,7 @@ choice! {
 }
 
 /// The row of the method in lists and help, and what a GPU needs of it.
-pub const INFO: MethodInfo = MethodInfo {
+pub(super) const INFO: MethodInfo = MethodInfo {
     id: "joint",
     title: "one dithered threshold a pixel against the coverage accumulated front to back; one shaded fragment a pixel",
     paper: "own; dithering after Brüll, Kern, Grosch (STD), section 3.3",
@@ -26,9 +26,9 @@ pub const INFO: MethodInfo = MethodInfo {
     bias: "none; with cycle=still a layer's share of a still pixel stays off by up to a ninth, in the mean of all pixels it is right",
     parameters: &[
         Cycle::parameter(
-        "cycle",
-        Cycle::Golden,
-        "move the blue noise by the golden ratio every nine frames, so that a still picture converges; or never, as STD",
+            "cycle",
+            Cycle::Golden,
+            "move the blue noise by the golden ratio every nine frames, so that a still picture converges; or never, as STD",
         ),
         NOISE_OF_ALL,
     ],
@@ -55,17 +55,17 @@ const OFFSET_BITS: u32 = 20;
 
 /// Joint dithering with or without a moving blue noise.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Joint {
+pub(super) struct Joint {
     cycle: Cycle,
     noise: Noise,
 }
 
 impl Joint {
-    pub(crate) fn new(values: &Values) -> Self {
+    pub(super) fn new(values: &Values) -> Self {
         Self { cycle: values.choice("cycle"), noise: Noise::new(values) }
     }
 
-    pub(crate) fn accept<V: Visitor>(&self, visitor: V) -> V::Output {
+    pub(super) fn accept<V: Visitor>(&self, visitor: V) -> V::Output {
         visitor.selection(self)
     }
 }

@@ -16,12 +16,12 @@ use sheer_core::{
 
 use super::stack::{Layer, MOST_LAYERS, Stack};
 use crate::contract::{
-    Blend, Fragment, Memory, MethodInfo, NoRaster, Passes, PixelSite, Raster, Resource, Step, TargetFormat,
-    UnorderedCompositing, Visitor, Work,
+    Blend, Fragment, Memory, MethodInfo, NoRaster, Passes, PixelSite, Raster, Resource, Step, StepKind,
+    TargetFormat, UnorderedCompositing, Visitor,
 };
 
 /// The row of the method in lists and help, and what a GPU needs of it.
-pub const INFO: MethodInfo = MethodInfo {
+pub(super) const INFO: MethodInfo = MethodInfo {
     id: "kbuffer",
     title: "k fragments sorted; of one too many the nearest is blended into the picture",
     paper: "Bavoil et al. 2007, Multi-Fragment Effects on the GPU Using the k-Buffer",
@@ -40,24 +40,24 @@ pub const INFO: MethodInfo = MethodInfo {
 
 /// The k-buffer with room for `k` fragments.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Kbuffer {
+pub(super) struct Kbuffer {
     k: u32,
 }
 
 /// The fragments kept, and what has been blended in front of them.
 #[derive(Clone, Debug)]
-pub struct Kept {
+pub(super) struct Kept {
     kept: Stack,
     blended: Layer,
     merged_count: u32,
 }
 
 impl Kbuffer {
-    pub(crate) fn new(values: &Values) -> Self {
+    pub(super) fn new(values: &Values) -> Self {
         Self { k: values.count("k") }
     }
 
-    pub(crate) fn accept<V: Visitor>(&self, visitor: V) -> V::Output {
+    pub(super) fn accept<V: Visitor>(&self, visitor: V) -> V::Output {
         visitor.unordered(self)
     }
 
@@ -90,7 +90,7 @@ impl UnorderedCompositing for Kbuffer {
         ];
         let draw = |name, entry_point, bound| {
             let targets = vec![(2, Some(Blend::Add)), (3, Some(Blend::Multiply))];
-            Step { name, entry_point, work: Work::Draw { targets, depth: None }, bound }
+            Step { name, entry_point, kind: StepKind::Draw { targets, depth: None }, bound }
         };
         let steps = vec![
             draw("keep", "fs_keep", vec![(1, 0)]),

@@ -14,7 +14,7 @@ use crate::contract::{
 };
 
 /// The row of the method in lists and help, and what a GPU needs of it.
-pub const INFO: MethodInfo = MethodInfo {
+pub(super) const INFO: MethodInfo = MethodInfo {
     id: "list",
     title: "every fragment stored in a list a pixel, then sorted and blended: exact, without a bound on memory",
     paper: "Carpenter 1984, The A-buffer, an Antialiased Hidden Surface Method",
@@ -33,7 +33,7 @@ pub const INFO: MethodInfo = MethodInfo {
 
 /// The A-buffer with a number of samples a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct List {
+pub(super) struct List {
     samples: Samples,
 }
 
@@ -51,7 +51,7 @@ struct Entry {
 
 /// All fragments of a pixel.
 #[derive(Clone, Debug, Default)]
-pub struct Fragments {
+pub(super) struct Fragments {
     entries: Vec<Entry>,
     /// Depths of all entries, one after the other: as many for each as the pixel has rays.
     depths: Vec<f32>,
@@ -70,13 +70,13 @@ impl Fragments {
 }
 
 impl List {
-    pub(crate) fn new(values: &Values) -> Self {
+    pub(super) fn new(values: &Values) -> Self {
         let count = values.count("samples");
         let placement = if count == 1 { Placement::Centre } else { Placement::Box };
         Self { samples: Samples { count, placement } }
     }
 
-    pub(crate) fn accept<V: Visitor>(&self, visitor: V) -> V::Output {
+    pub(super) fn accept<V: Visitor>(&self, visitor: V) -> V::Output {
         visitor.unordered(self)
     }
 }

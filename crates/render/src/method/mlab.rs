@@ -17,7 +17,7 @@ use crate::contract::{
 };
 
 /// The row of the method in lists and help, and what a GPU needs of it.
-pub const INFO: MethodInfo = MethodInfo {
+pub(super) const INFO: MethodInfo = MethodInfo {
     id: "mlab",
     title: "k layers a pixel; of one too many the two furthest are blended into one",
     paper: "Salvi, Vaidyanathan 2014, Multi-Layer Alpha Blending",
@@ -36,23 +36,23 @@ pub const INFO: MethodInfo = MethodInfo {
 
 /// Multi-layer alpha blending with `k` layers.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Mlab {
+pub(super) struct Mlab {
     k: u32,
 }
 
 /// The layers of a pixel.
 #[derive(Clone, Debug)]
-pub struct Layers {
+pub(super) struct Layers {
     stack: Stack,
     merged_count: u32,
 }
 
 impl Mlab {
-    pub(crate) fn new(values: &Values) -> Self {
+    pub(super) fn new(values: &Values) -> Self {
         Self { k: values.count("k") }
     }
 
-    pub(crate) fn accept<V: Visitor>(&self, visitor: V) -> V::Output {
+    pub(super) fn accept<V: Visitor>(&self, visitor: V) -> V::Output {
         visitor.unordered(self)
     }
 }

@@ -120,7 +120,7 @@ mod static_noise;
 
 macro_rules! methods {
     ($($module:ident :: $name:ident),+ $(,)?) => {
-        $(pub mod $module;)+
+        $(mod $module;)+
 
         /// A method with its parameters. Parse one from `name:key=value,key=value`.
         #[derive(Clone, Debug, PartialEq)]

@@ -20,13 +20,13 @@ use sheer_core::{
 use self::hamburger::Problem;
 use crate::contract::{
     Blend, Fragment, Memory, MethodInfo, NoRaster, Passes, PixelSite, Raster, Resource, Retrace,
-    ShaderConstant, ShaderValue, Step, TargetFormat, UnorderedCompositing, Visitor, Work,
+    ShaderConstant, ShaderValue, Step, StepKind, TargetFormat, UnorderedCompositing, Visitor,
 };
 
 mod hamburger;
 
 /// The row of the method in lists and help, and what a GPU needs of it.
-pub const INFO: MethodInfo = MethodInfo {
+pub(super) const INFO: MethodInfo = MethodInfo {
     id: "moments",
     title: "visibility from 4, 6 or 8 moments of absorbance over depth: two additive passes",
     paper: "Münstermann, Krumpen, Klein, Peters 2018, Moment-Based Order-Independent Transparency",
@@ -83,7 +83,7 @@ impl Order {
 
 /// Moment-based transparency of an order.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Moments {
+pub(super) struct Moments {
     order: Order,
     overestimation: f64,
     retrace: Retrace,
@@ -91,7 +91,7 @@ pub struct Moments {
 
 /// Sums over the fragments of a pixel.
 #[derive(Clone, Debug)]
-pub struct Sums {
+pub(super) struct Sums {
     /// Logarithms of the least and the largest depth.
     ln_depth_range: [f32; 2],
     /// The zeroth moment: the sum of absorbances.
@@ -105,12 +105,12 @@ pub struct Sums {
 }
 
 impl Moments {
-    pub(crate) fn new(values: &Values) -> Self {
+    pub(super) fn new(values: &Values) -> Self {
         let overestimation = values.real("overestimation").into();
         Self { order: values.choice("order"), overestimation, retrace: values.choice(Retrace::PARAMETER.key) }
     }
 
-    pub(crate) fn accept<V: Visitor>(&self, visitor: V) -> V::Output {
+    pub(super) fn accept<V: Visitor>(&self, visitor: V) -> V::Output {
         visitor.unordered(self)
     }
 
@@ -181,7 +181,7 @@ impl UnorderedCompositing for Moments {
         let draw = |name, entry_point, targets, bound| Step {
             name,
             entry_point,
-            work: Work::Draw { targets, depth: None },
+            kind: StepKind::Draw { targets, depth: None },
             bound,
         };
         let steps = vec![

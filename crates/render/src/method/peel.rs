@@ -13,12 +13,12 @@ use sheer_core::{
 };
 
 use crate::contract::{
-    Fragment, Memory, MethodInfo, NoRaster, Passes, PixelSite, Raster, Resource, Retrace, Step, TargetFormat,
-    UnorderedCompositing, Visitor, Work,
+    Fragment, Memory, MethodInfo, NoRaster, Passes, PixelSite, Raster, Resource, Retrace, Step, StepKind,
+    TargetFormat, UnorderedCompositing, Visitor,
 };
 
 /// The row of the method in lists and help, and what a GPU needs of it.
-pub const INFO: MethodInfo = MethodInfo {
+pub(super) const INFO: MethodInfo = MethodInfo {
     id: "peel",
     title: "layer after layer, each in a pass over all fragments: the nearest one behind the last",
     paper: "Everitt 2001, Interactive Order-Independent Transparency; Mammen 1989",
@@ -41,14 +41,14 @@ pub const INFO: MethodInfo = MethodInfo {
 
 /// Depth peeling with a bound on the layers.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Peel {
+pub(super) struct Peel {
     layers: u32,
     retrace: Retrace,
 }
 
 /// What has been peeled, and what the pass at work has found.
 #[derive(Clone, Copy, Debug)]
-pub struct Peeled {
+pub(super) struct Peeled {
     /// Sort key of the layer peeled last; its first value lies in front of all fragments.
     last: (f32, u32),
     next: Option<Next>,
@@ -65,11 +65,11 @@ struct Next {
 }
 
 impl Peel {
-    pub(crate) fn new(values: &Values) -> Self {
+    pub(super) fn new(values: &Values) -> Self {
         Self { layers: values.count("layers"), retrace: values.choice(Retrace::PARAMETER.key) }
     }
 
-    pub(crate) fn accept<V: Visitor>(&self, visitor: V) -> V::Output {
+    pub(super) fn accept<V: Visitor>(&self, visitor: V) -> V::Output {
         visitor.unordered(self)
     }
 }
@@ -123,11 +123,11 @@ impl UnorderedCompositing for Peel {
             steps.push(Step {
                 name: "peel",
                 entry_point: if number == 0 { "fs_first" } else { "fs_next" },
-                work: Work::Draw { targets: vec![(this, None)], depth: Some(DEPTH) },
+                kind: StepKind::Draw { targets: vec![(this, None)], depth: Some(DEPTH) },
                 bound: if number == 0 { Vec::new() } else { vec![(1, last)] },
             });
             let bound = vec![(1, this), (2, PEELED)];
-            steps.push(Step { name: "blend", entry_point: "cs_blend", work: Work::Pixels, bound });
+            steps.push(Step { name: "blend", entry_point: "cs_blend", kind: StepKind::Pixels, bound });
         }
         steps.push(Step::last(vec![(2, PEELED)]));
         Ok(Raster::Passes(Passes { resources, steps, constants: Vec::new() }))

@@ -26,7 +26,7 @@ pub(super) const HASH: ParameterInfo = Hash::parameter(
 );
 
 /// The row of the method in lists and help, and what a GPU needs of it.
-pub const INFO: MethodInfo = MethodInfo {
+pub(super) const INFO: MethodInfo = MethodInfo {
     id: "roulette",
     title: "each hit is kept with the probability of its alpha; one shaded fragment a pixel",
     paper: "Brüll, Kern, Grosch (STD), section 3.2",
@@ -48,16 +48,16 @@ const MCGUIRE_SEED_STEP: f32 = 0.618;
 
 /// Russian roulette with one of the hashes.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Roulette {
+pub(super) struct Roulette {
     hash: Hash,
 }
 
 impl Roulette {
-    pub(crate) fn new(values: &Values) -> Self {
+    pub(super) fn new(values: &Values) -> Self {
         Self { hash: values.choice(HASH.key) }
     }
 
-    pub(crate) fn accept<V: Visitor>(&self, visitor: V) -> V::Output {
+    pub(super) fn accept<V: Visitor>(&self, visitor: V) -> V::Output {
         visitor.threshold(self)
     }
 }

@@ -14,7 +14,7 @@ use super::{
 use crate::contract::{MethodInfo, ShaderTable, Site, Tables, Threshold, Visitor};
 
 /// The row of the method in lists and help, and what a GPU needs of it.
-pub const INFO: MethodInfo = MethodInfo {
+pub(super) const INFO: MethodInfo = MethodInfo {
     id: "stbn",
     title: "thresholds from a mask that is blue noise in space and in time, offset for each object; one shaded fragment a pixel",
     paper: "Wolfe et al., Spatiotemporal Blue Noise Masks, 2022; Brüll, Kern, Grosch (STD), section 7.2",
@@ -33,16 +33,16 @@ pub const INFO: MethodInfo = MethodInfo {
 /// Dithering by a spatio-temporal blue noise mask of 64×64 pixels and 16 frames. The paper's has 128×128
 /// pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Stbn {
+pub(super) struct Stbn {
     draw: ObjectDraw,
 }
 
 impl Stbn {
-    pub(crate) fn new(values: &Values) -> Self {
+    pub(super) fn new(values: &Values) -> Self {
         Self { draw: ObjectDraw::new(values) }
     }
 
-    pub(crate) fn accept<V: Visitor>(&self, visitor: V) -> V::Output {
+    pub(super) fn accept<V: Visitor>(&self, visitor: V) -> V::Output {
         visitor.threshold(self)
     }
 }

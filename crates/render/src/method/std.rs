@@ -15,7 +15,7 @@ use super::{
 use crate::contract::{MethodInfo, Site, Tables, Threshold, Visitor};
 
 /// The row of the method in lists and help, and what a GPU needs of it.
-pub const INFO: MethodInfo = MethodInfo {
+pub(super) const INFO: MethodInfo = MethodInfo {
     id: "std",
     title: "thresholds dithered over space and time, one map an object; one shaded fragment a pixel",
     paper: "Brüll, Kern, Grosch (STD), section 3.3",
@@ -29,17 +29,17 @@ pub const INFO: MethodInfo = MethodInfo {
 
 /// Spatio-temporal dithering with a map drawn for each object.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Std {
+pub(super) struct Std {
     draw: ObjectDraw,
     noise: Noise,
 }
 
 impl Std {
-    pub(crate) fn new(values: &Values) -> Self {
+    pub(super) fn new(values: &Values) -> Self {
         Self { draw: ObjectDraw::new(values), noise: Noise::new(values) }
     }
 
-    pub(crate) fn accept<V: Visitor>(&self, visitor: V) -> V::Output {
+    pub(super) fn accept<V: Visitor>(&self, visitor: V) -> V::Output {
         visitor.threshold(self)
     }
 }

@@ -13,11 +13,11 @@ use sheer_core::{bibliography, choice, parameter::Values};
 
 use crate::contract::{
     Blend, Fragment, Memory, MethodInfo, NoRaster, Passes, PixelSite, Raster, Resource, ShaderConstant, Step,
-    TargetFormat, UnorderedCompositing, Visitor, Work,
+    StepKind, TargetFormat, UnorderedCompositing, Visitor,
 };
 
 /// The row of the method in lists and help, and what a GPU needs of it.
-pub const INFO: MethodInfo = MethodInfo {
+pub(super) const INFO: MethodInfo = MethodInfo {
     id: "weighted",
     title: "the mean of all fragments, weighted by alpha and depth: one pass, no order at all",
     paper: "McGuire, Bavoil 2013, Weighted Blended Order-Independent Transparency",
@@ -38,7 +38,7 @@ const WEIGHTS: [f32; 2] = [1e-2, 3e3];
 
 /// Weighted blended transparency with one of the weight functions.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Weighted {
+pub(super) struct Weighted {
     weight: Weight,
 }
 
@@ -58,7 +58,7 @@ choice! {
 
 /// Sums over the fragments of a pixel.
 #[derive(Clone, Copy, Debug)]
-pub struct Sums {
+pub(super) struct Sums {
     depth_range: [f32; 2],
     rgb_weighted: Vec3,
     alpha_weighted: f32,
@@ -67,11 +67,11 @@ pub struct Sums {
 }
 
 impl Weighted {
-    pub(crate) fn new(values: &Values) -> Self {
+    pub(super) fn new(values: &Values) -> Self {
         Self { weight: values.choice("weight") }
     }
 
-    pub(crate) fn accept<V: Visitor>(&self, visitor: V) -> V::Output {
+    pub(super) fn accept<V: Visitor>(&self, visitor: V) -> V::Output {
         visitor.unordered(self)
     }
 }
@@ -116,7 +116,7 @@ impl UnorderedCompositing for Weighted {
         let blend = Step {
             name: "blend",
             entry_point: "fs_blend",
-            work: Work::Draw { targets, depth: None },
+            kind: StepKind::Draw { targets, depth: None },
             bound: Vec::new(),
         };
         let steps = vec![blend, Step::last(vec![(1, 0), (2, 1)])];

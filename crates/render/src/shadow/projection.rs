@@ -58,12 +58,12 @@ pub struct Face {
     /// Right, up, forward: `world_from_face`.
     pub axes: Mat3,
     /// How it looks along them.
-    pub lens: Lens,
+    pub lens: FaceLens,
 }
 
 /// How a square of a map sees the scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Lens {
+pub enum FaceLens {
     /// From the plane at `low`, a corner of the map in the space of the face. The low sun sees a town as a
     /// strip: its texels need not be square.
     Parallel {
@@ -108,12 +108,12 @@ impl Projection {
                 vec![Face::parallel(frame, looking(light.direction), side)]
             }
             LightKind::Spot { outer_cone_rad, .. } if face_count == 1 => {
-                let lens = Lens::Central { eye: light.position, half_width: outer_cone_rad.tan() };
+                let lens = FaceLens::Central { eye: light.position, half_width: outer_cone_rad.tan() };
                 vec![Face { axes: looking(light.direction), lens }]
             }
             LightKind::Spot { .. } | LightKind::Point { .. } => {
                 let forwards = [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y, Vec3::Z, Vec3::NEG_Z];
-                let lens = || Lens::Central { eye: light.position, half_width: 1.0 };
+                let lens = || FaceLens::Central { eye: light.position, half_width: 1.0 };
                 forwards.map(|forward| Face { axes: looking(forward), lens: lens() }).into()
             }
         };
@@ -147,8 +147,8 @@ impl Projection {
     fn ray_through(&self, face: usize, at: Vec2) -> Ray {
         let Face { axes, lens } = &self.faces[face];
         let (origin, direction) = match *lens {
-            Lens::Parallel { low, texel } => (*axes * (low + (at * texel).extend(0.0)), axes.z_axis),
-            Lens::Central { eye, half_width } => {
+            FaceLens::Parallel { low, texel } => (*axes * (low + (at * texel).extend(0.0)), axes.z_axis),
+            FaceLens::Central { eye, half_width } => {
                 let beside = (at * (2.0 / self.side as f32) - 1.0) * half_width;
                 (eye, (*axes * beside.extend(1.0)).normalize())
             }
@@ -159,26 +159,26 @@ impl Projection {
     /// The longer side of a texel at a depth, world units.
     pub(super) fn texel_side(&self, texel: usize, depth: f32) -> f32 {
         match self.faces[texel / (self.side() * self.side())].lens {
-            Lens::Parallel { texel, .. } => texel.max_element(),
-            Lens::Central { half_width, .. } => 2.0 * half_width * depth / self.side as f32,
+            FaceLens::Parallel { texel, .. } => texel.max_element(),
+            FaceLens::Central { half_width, .. } => 2.0 * half_width * depth / self.side as f32,
         }
     }
 
     /// A point of the world in the map; none outside, where nothing is lit or nothing is.
     fn project(&self, point: Vec3) -> Option<Projected> {
         let ahead = |face: &Face| match face.lens {
-            Lens::Parallel { .. } => 0.0,
-            Lens::Central { eye, .. } => face.axes.z_axis.dot(point - eye),
+            FaceLens::Parallel { .. } => 0.0,
+            FaceLens::Central { eye, .. } => face.axes.z_axis.dot(point - eye),
         };
         let faces = self.faces.iter().enumerate();
         let (face, Face { axes, lens }) = faces.max_by(|(_, a), (_, b)| ahead(a).total_cmp(&ahead(b)))?;
         let side = self.side as f32;
         let (at, depth, texel) = match *lens {
-            Lens::Parallel { low, texel } => {
+            FaceLens::Parallel { low, texel } => {
                 let local = axes.transpose() * point - low;
                 (local.truncate() / texel, local.z, texel)
             }
-            Lens::Central { eye, half_width } => {
+            FaceLens::Central { eye, half_width } => {
                 let local = axes.transpose() * (point - eye);
                 let at = 0.5 * side * (local.truncate() / (local.z * half_width) + 1.0);
                 (at, local.length(), Vec2::splat(2.0 * half_width * local.z / side))
@@ -289,6 +289,6 @@ impl Face {
         let texel = needed.map(|needed| TEXEL_STEP.powf(needed.log(TEXEL_STEP).ceil()));
         let corner = ((low.truncate() / texel).floor() - 0.5) * texel;
         let near = low.z - 0.01 * extent.max_element();
-        Self { axes, lens: Lens::Parallel { low: corner.extend(near), texel } }
+        Self { axes, lens: FaceLens::Parallel { low: corner.extend(near), texel } }
     }
 }

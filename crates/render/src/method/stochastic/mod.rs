@@ -59,7 +59,7 @@ choice! {
 }
 
 /// The row of the method in lists and help, and what a GPU needs of it.
-pub const INFO: MethodInfo = MethodInfo {
+pub(super) const INFO: MethodInfo = MethodInfo {
     id: "stochastic",
     title: "each fragment covers a random subset of the pixel's samples; a z-buffer a sample does the rest",
     paper: "Enderton, Sintorn, Shirley, Luebke (ST)",
@@ -142,7 +142,7 @@ const FILTER: LayerFilter = LayerFilter { radius_px: 2, sigma_px: 1.0, sigma_alp
 
 /// Stochastic transparency with one of its estimators over a number of samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Stochastic {
+pub(super) struct Stochastic {
     samples: Samples,
     passes: u32,
     masks: Masks,
@@ -168,7 +168,7 @@ enum Step {
 }
 
 impl Stochastic {
-    pub(crate) fn new(values: &Values) -> Self {
+    pub(super) fn new(values: &Values) -> Self {
         let placement = match values.choice("placement") {
             PlacementChoice::Centre => Placement::Centre,
             PlacementChoice::Box => Placement::Box,
@@ -190,7 +190,7 @@ impl Stochastic {
         }
     }
 
-    pub(crate) fn accept<V: Visitor>(&self, visitor: V) -> V::Output {
+    pub(super) fn accept<V: Visitor>(&self, visitor: V) -> V::Output {
         visitor.unordered(self)
     }
 

@@ -27,7 +27,7 @@ impl std::ops::Add for Sums {
 
 /// The samples of a pixel; those beyond the method's count are not used.
 #[derive(Clone, Debug)]
-pub struct Pixel {
+pub(in crate::method) struct Pixel {
     pub(super) site: PixelSite,
     /// Product over all fragments of 1 - alpha at each sample: what is left of the background.
     pub(super) transmittance: [f32; MOST],
