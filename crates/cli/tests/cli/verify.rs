@@ -41,8 +41,8 @@ fn a_gpu_is_held_against_the_processor() {
     let report = json(&succeed(folder.path(), arguments).stdout);
     let checks = report["checks"].as_array().unwrap();
     let names: Vec<_> = checks.iter().map(|check| check["name"].as_str().unwrap()).collect();
-    // Methods in the scene: one frame, its surfaces, a few frames added up; and for the one whose samples are the
-    // hardware's, layers that it covers whole and their closed form.
+    // Methods in the scene: one frame, its surfaces, a few frames added up; and for the one whose samples are
+    // the hardware's, layers that it covers whole and their closed form.
     assert_eq!(checks.len(), 8, "{names:?}");
     assert!(names[0].contains("layers:count=3") && names[0].contains("std by gpu:raster"), "{names:?}");
     assert!(names[1].contains("motion") && names[2].contains("taa"), "{names:?}");

@@ -1,4 +1,5 @@
-// Adds a frame up by the anti-aliasing technique: twin of `History::add` in crates/render/src/temporal/mod.rs.
+// Adds a frame up by the anti-aliasing technique: twin of `History::add` in
+// crates/render/src/temporal/mod.rs.
 #import shared/temporal
 #import technique
 

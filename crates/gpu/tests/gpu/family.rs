@@ -1,7 +1,8 @@
 //! Methods that take fragments in any order, drawn on the device, against the CPU.
 //!
-//! Both sides see the same hits by the same arithmetic. What differs: which pixels a triangle covers at its edges, the 16-bit sums of the blending
-//! units, and roots, powers and logarithms, which a device may round in its own way.
+//! Both sides see the same hits by the same arithmetic. What differs: which pixels a triangle covers at its
+//! edges, the 16-bit sums of the blending units, and roots, powers and logarithms, which a device may round
+//! in its own way.
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 use std::{fs, path::Path, sync::Arc};
@@ -24,22 +25,26 @@ const SCENES: [(&str, Option<f32>); 5] = [
     ("gltf/NegativeScaleTest/NegativeScaleTest.gltf", Some(0.6)),
 ];
 const SIZE: [u32; 2] = [96, 64];
-/// Pixels that may differ by anything: an edge of a triangle may be drawn into one pixel here and into its neighbour there.
+/// Pixels that may differ by anything: an edge of a triangle may be drawn into one pixel here and into its
+/// neighbour there.
 const OUTLIERS: f64 = 0.005;
 
-/// How far colours may be from the CPU's, as shares of the brighter one or of 1: root mean square over the transparent pixels, and the most.
+/// How far colours may be from the CPU's, as shares of the brighter one or of 1: root mean square over the
+/// transparent pixels, and the most.
 #[derive(Clone, Copy, Debug)]
 struct Bound {
     rms: f64,
     most: f64,
 }
 
-/// The same operations in the same order, in 32 bits: what differs is the roots and exponentials of shading, by some units in the last place,
-/// and the visibility of what is at the brim of a light's cone or of a shadow.
+/// The same operations in the same order, in 32 bits: what differs is the roots and exponentials of shading,
+/// by some units in the last place, and the visibility of what is at the brim of a light's cone or of a
+/// shadow.
 const EXACT: Bound = Bound { rms: 5e-5, most: 5e-4 };
-/// Sums of radiance, of weights and products of transmittance are rounded to 11 bits once a fragment: by 2⁻¹² at most each, of random sign. For
-/// the 20 fragments that a pixel has at most, √20 · √3 · 2⁻¹² = 1.9e-3, and four times that where it is at its worst; pixels have 5 of them on
-/// average, and errors of uniform distribution a root mean square of 1/√3 of the most: 5.5e-4.
+/// Sums of radiance, of weights and products of transmittance are rounded to 11 bits once a fragment: by 2⁻¹²
+/// at most each, of random sign. For the 20 fragments that a pixel has at most, √20 · √3 · 2⁻¹² = 1.9e-3, and
+/// four times that where it is at its worst; pixels have 5 of them on average, and errors of uniform
+/// distribution a root mean square of 1/√3 of the most: 5.5e-4.
 const HALF_SUMS: Bound = Bound { rms: 6e-4, most: 7.6e-3 };
 
 fn scene(text: &str, alpha: Option<f32>) -> Scene {
@@ -150,8 +155,8 @@ fn check(methods: &[(&str, Bound)]) {
     }
 }
 
-/// All fragments in order and what changes a pixel in the order of triangles. Layers are drawn from the back: with three places the
-/// methods differ.
+/// All fragments in order and what changes a pixel in the order of triangles. Layers are drawn from the back:
+/// with three places the methods differ.
 #[test]
 fn methods_that_go_through_lists_give_the_cpus_pictures() {
     check(&[("list", EXACT), ("mlab:k=2", EXACT), ("adaptive:nodes=3", EXACT)]);
@@ -232,8 +237,9 @@ fn surfaces_in_one_place_are_all_seen_in_the_order_of_their_triangles() {
 
 #[test]
 fn what_has_no_place_is_merged_and_never_lost() {
-    // White layers: their order does not show, a lost one would by 0.05 · 0.95³⁹ = 6.8e-3. All pixels are alike, so that the mean is the most:
-    // 36 products and as many sums that are rounded by 2⁻¹² at most, of random sign: √36 · √2 · 2⁻¹² = 2.1e-3, and not twice that.
+    // White layers: their order does not show, a lost one would by 0.05 · 0.95³⁹ = 6.8e-3. All pixels are
+    // alike, so that the mean is the most: 36 products and as many sums that are rounded by 2⁻¹² at most, of
+    // random sign: √36 · √2 · 2⁻¹² = 2.1e-3, and not twice that.
     const ALIKE: Bound = Bound { rms: 4e-3, most: 4e-3 };
     // Nodes for 32 fragments a pixel are there; of eight more, transmittance is right, whichever those are.
     let mut sides = Sides::over_nothing(scene("layers:count=40,alpha=0.05", None));

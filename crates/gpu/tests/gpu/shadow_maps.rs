@@ -13,15 +13,16 @@ use sheer_scene::{
 };
 
 const SIZE: [u32; 2] = [64, 48];
-/// Pixels at the edges of triangles, where a rasteriser may see another one than a ray: up to 8 of 3072 in these scenes.
+/// Pixels at the edges of triangles, where a rasteriser may see another one than a ray: up to 8 of 3072 in
+/// these scenes.
 const EDGES: f64 = 0.01;
 
 fn built_in(name: &str) -> Arc<Scene> {
     Arc::new(sheer_gallery::open(name).unwrap().scene)
 }
 
-/// A horizontal square of so much half a side, at a height; turned a little, so that no row of texels lies along its edges or diagonal, where
-/// rounding decides which of two triangles a ray meets.
+/// A horizontal square of so much half a side, at a height; turned a little, so that no row of texels lies
+/// along its edges or diagonal, where rounding decides which of two triangles a ray meets.
 fn add_sheet(parts: &mut SceneParts, material: Material, half: f32, height: f32) {
     let corners = [(-half, -half), (half, -half), (half, half), (-half, half)];
     let turned = Quat::from_rotation_y(0.3);
@@ -51,8 +52,8 @@ fn add_node(parts: &mut SceneParts, place: Vec3) -> u32 {
     parts.nodes.len() as u32 - 1
 }
 
-/// A floor in the shadow of coloured glass and of something opaque, under lamps: one around which a map has six sides, and two spots whose cone
-/// is wide and has six sides, too, or narrow.
+/// A floor in the shadow of coloured glass and of something opaque, under lamps: one around which a map has
+/// six sides, and two spots whose cone is wide and has six sides, too, or narrow.
 fn lamps() -> Arc<Scene> {
     let mut parts = SceneParts { name: "lamps".into(), exposure: 1.0, ..SceneParts::default() };
     add_sheet(&mut parts, Material::default(), 5.0, 0.0);

@@ -55,7 +55,8 @@ fn on_gpu(gpu: &Arc<Gpu>, stage: &mut GpuStage, method: &str, settings: Settings
     Ok(Drawn { planes: pipeline.planes()?, counters, steps: pipeline.steps().to_vec() })
 }
 
-/// Pixels in which rays near all four corners and through the centre meet the same triangles: hardware samples lie within.
+/// Pixels in which rays near all four corners and through the centre meet the same triangles: hardware
+/// samples lie within.
 fn interior(stage: &sheer_render::Stage) -> Vec<bool> {
     let [width, height] = SIZE;
     let offsets = [[0.5, 0.5], [0.02, 0.02], [0.98, 0.02], [0.02, 0.98], [0.98, 0.98]].map(Vec2::from);
@@ -66,7 +67,8 @@ fn interior(stage: &sheer_render::Stage) -> Vec<bool> {
         .collect()
 }
 
-/// Of each pixel the largest difference of a channel, as a share of the brighter of both where that is more than 1.
+/// Of each pixel the largest difference of a channel, as a share of the brighter of both where that is more
+/// than 1.
 fn differences(one: &Planes, two: &Planes) -> Vec<f32> {
     let pairs = one.colour.as_slice().iter().zip(two.colour.as_slice());
     let difference = |(a, b): (&[f32; 4], &[f32; 4])| {
@@ -76,8 +78,9 @@ fn differences(one: &Planes, two: &Planes) -> Vec<f32> {
     pairs.map(difference).collect()
 }
 
-/// Half floats have 11 bits: each of the few dozen sums and products of a pixel rounds by half a unit of the last, 2^-12 of what it is at
-/// most; that of 16 in a row of one sign is 2^-8, and less than that in these scenes.
+/// Half floats have 11 bits: each of the few dozen sums and products of a pixel rounds by half a unit of the
+/// last, 2^-12 of what it is at most; that of 16 in a row of one sign is 2^-8, and less than that in these
+/// scenes.
 const HALF_BOUND: f32 = 1.0 / 256.0;
 
 /// Shares of interior pixels, and of all, that differ by more than half floats explain.
@@ -111,7 +114,8 @@ fn pixels_that_triangles_cover_whole_are_the_cpus() {
         for method in ["stochastic:samples=4", "stochastic:samples=4,estimator=basic"] {
             let [inside, all] = compare(&gpu, name, [method; 2], [5; 2]);
             assert!(inside == 0.0, "{name}, {method}: {inside} of the inner pixels");
-            // Edges: of small triangles there are many, and one sample in four may see another set of triangles than the centre.
+            // Edges: of small triangles there are many, and one sample in four may see another set of
+            // triangles than the centre.
             assert!(all < 0.1, "{name}, {method}: {all} of all pixels");
         }
     }
@@ -156,7 +160,8 @@ fn another_seed_is_another_picture() {
     assert!(inside > 0.5, "the comparison is blind: {inside}");
 }
 
-/// Standard errors between the mean picture of 64 frames, each with masks of its own, and the closed form; the largest of three channels.
+/// Standard errors between the mean picture of 64 frames, each with masks of its own, and the closed form;
+/// the largest of three channels.
 fn z_of_layers(gpu: &Arc<Gpu>, method: &str) -> f64 {
     const FRAMES: u32 = 64;
     let mut stage = gpu_stage(gpu, "layers:count=6,alpha=0.3,colours=rainbow,background=0.5");

@@ -116,7 +116,8 @@ fn selection_shows_the_cpus_fragments_on_both_paths() {
     }
 }
 
-/// More layers than one traversal gathers: a second one goes on behind them, and neither drops nor merges anything.
+/// More layers than one traversal gathers: a second one goes on behind them, and neither drops nor merges
+/// anything.
 #[test]
 fn a_further_traversal_of_selection_merges_nothing() {
     let scene = scene("layers:count=20,alpha=0.05", None);

@@ -21,7 +21,8 @@ const WEIGHT: f64 = 0.1;
 const SETTLED: usize = 90;
 const SHOWN: usize = 36;
 
-/// STD Fig. 4: the exponential average of the tests that one pixel makes of an alpha, in the order of the walk and sorted.
+/// STD Fig. 4: the exponential average of the tests that one pixel makes of an alpha, in the order of the
+/// walk and sorted.
 pub(super) fn sequences<B: Backend>(_: &Lab<'_, B>) -> Result<Findings> {
     let mut walk: [u8; 9] =
         std::array::from_fn(|frame| threshold_index(&std_maps()[0], [0, 0], frame as u32));
@@ -204,7 +205,8 @@ pub(super) fn short_name(scene: &str) -> String {
     scene.rsplit(['/', '\\']).next().unwrap_or(scene).to_owned()
 }
 
-/// Root mean square over pixels, channels, the last 18 of 90 frames and four seeds by which an exponential average misses the closed form.
+/// Root mean square over pixels, channels, the last 18 of 90 frames and four seeds by which an exponential
+/// average misses the closed form.
 fn exponential_error<B: Backend>(lab: &Lab<'_, B>, method: &str, count: u32, alpha: f32) -> Result<f64> {
     const SIZE: [u32; 2] = [48, 27];
     const FRAMES: u32 = 90;

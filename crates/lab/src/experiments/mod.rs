@@ -1,7 +1,8 @@
 //! The figures of the papers, made again and measured.
 //!
-//! An experiment is a row of the table [`Experiment::ALL`] and a function that returns [`Findings`]: what was claimed and whether it holds, tables,
-//! charts, pictures. Nothing fails where a claim does not hold: that is a finding.
+//! An experiment is a row of the table [`Experiment::ALL`] and a function that returns [`Findings`]: what was
+//! claimed and whether it holds, tables, charts, pictures. Nothing fails where a claim does not hold: that is
+//! a finding.
 
 use sheer_render::Backend;
 

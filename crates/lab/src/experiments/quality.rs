@@ -118,10 +118,12 @@ pub(super) fn alignment<B: Backend>(lab: &Lab<'_, B>) -> Result<Findings> {
     Ok(findings)
 }
 
-/// The pattern itself averages out over so many pixels: what is left is the change of colour that the paper shows.
+/// The pattern itself averages out over so many pixels: what is left is the change of colour that the paper
+/// shows.
 const COARSE_SIGMA_PX: f32 = 3.0;
 
-/// Mean motion of transparent pixels, pixels a frame, and the flicker of each method's blurred error where something transparent is.
+/// Mean motion of transparent pixels, pixels a frame, and the flicker of each method's blurred error where
+/// something transparent is.
 fn coarse_flicker<B: Backend>(
     lab: &Lab<'_, B>,
     stage: &mut B::Stage,
@@ -216,7 +218,8 @@ pub(super) fn fight<B: Backend>(lab: &Lab<'_, B>) -> Result<Findings> {
 
 /// Five cycles of nine, nine cycles of five.
 const COUNTED_FRAMES: u32 = 45;
-/// An object is there if it ought to win so many pixels a frame: its count over all frames then has a deviation of 5 %.
+/// An object is there if it ought to win so many pixels a frame: its count over all frames then has a
+/// deviation of 5 %.
 const LEAST_PIXELS: f64 = 9.0;
 /// It is lost if it gets less than this share of them.
 const LOST_SHARE: f64 = 0.25;

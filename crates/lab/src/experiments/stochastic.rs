@@ -211,7 +211,8 @@ pub(super) fn shadows<B: Backend>(lab: &Lab<'_, B>) -> Result<Findings> {
         play(lab.backend, stage, &mut [], Timeline::Moments(&start), |_| Ok(()))?;
         let rgb = |rendered: &Still| rendered.planes.colour.map(|&[r, g, b, _]| [r, g, b]);
         let exact = still(lab, stage, "baseline", "deep", lab.size, 0)?;
-        // The noise alone: a map has errors that no number of samples mends, and they are those of the map that keeps every blocker.
+        // The noise alone: a map has errors that no number of samples mends, and they are those of the map
+        // that keeps every blocker.
         let sharp = rgb(&still(lab, stage, "baseline", "deep-map:tolerance=0", lab.size, 0)?);
         let mut rows = Vec::new();
         let mut noise = Vec::new();
@@ -261,7 +262,8 @@ pub(super) fn shadows<B: Backend>(lab: &Lab<'_, B>) -> Result<Findings> {
 /// The paper's picture, samples and shadow samples (ST Table 1): 2048² in all, 16 of them a lookup.
 const TABLE_SIZE: [u32; 2] = [500, 500];
 const TABLE_SHADOW: &str = "stochastic-map:resolution=1024,samples=4,filter=2";
-/// The final algorithm of ST section 3.5, each pass over the geometry anew; one exact pass; peeling without samples, as in the paper.
+/// The final algorithm of ST section 3.5, each pass over the geometry anew; one exact pass; peeling without
+/// samples, as in the paper.
 const FINAL: &str = "stochastic:samples=8,placement=box,retrace=on";
 const BLENDED: &str = "list:samples=8";
 const PEELING: &str = "peel:layers=10,retrace=on";
@@ -306,7 +308,8 @@ pub(super) fn table<B: Backend>(lab: &Lab<'_, B>) -> Result<Findings> {
     Ok(findings)
 }
 
-/// ST section 5: the time of stochastic transparency grows with the fragments, that of peeling with their square.
+/// ST section 5: the time of stochastic transparency grows with the fragments, that of peeling with their
+/// square.
 pub(super) fn growth<B: Backend>(lab: &Lab<'_, B>) -> Result<Findings> {
     const COUNTS: [u32; 7] = [1, 2, 4, 8, 16, 32, 64];
     const METHODS: [&str; 3] = ["list", "stochastic:samples=8,retrace=on", "peel:layers=64,retrace=on"];

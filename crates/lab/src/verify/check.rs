@@ -3,7 +3,8 @@
 use serde::Serialize;
 use sheer_metrics::statistics::{sidak, two_sided_p};
 
-/// Probability that any of the random checks fails although nothing is wrong. The seeds are fixed, so it is paid once, not each run.
+/// Probability that any of the random checks fails although nothing is wrong. The seeds are fixed, so it is
+/// paid once, not each run.
 const LEVEL: f64 = 1e-3;
 
 /// One figure of a paper or property of a method.

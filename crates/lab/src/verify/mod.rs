@@ -1,4 +1,5 @@
-//! The papers' numbers and the methods' promises, from theory, as printed, and as measured; and whether a GPU keeps them.
+//! The papers' numbers and the methods' promises, from theory, as printed, and as measured; and whether a GPU
+//! keeps them.
 
 use crate::{Progress, Result};
 

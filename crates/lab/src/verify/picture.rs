@@ -13,7 +13,8 @@ pub(super) fn stage(scene: &str, threads: Option<usize>) -> Result<Stage> {
     Ok(Stage::new(sheer_gallery::open(scene)?.scene, &CameraChoice::Default, threads)?)
 }
 
-/// A stage of a glTF file that the binary carries, given by its files with the glTF one first, and every material as transparent as asked.
+/// A stage of a glTF file that the binary carries, given by its files with the glTF one first, and every
+/// material as transparent as asked.
 pub(super) fn stage_of_files(files: &[(&str, &[u8])], alpha: f32, threads: Option<usize>) -> Result<Stage> {
     let folder = tempfile::tempdir()?;
     for (name, bytes) in files {

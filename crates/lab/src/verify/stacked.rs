@@ -1,6 +1,6 @@
-//! What plain spatio-temporal dithering gets wrong: stacked layers whose maps are not independent hide one another too much or too little,
-//! for ever. The error is measured, shown beside that of independent layers, and held against what an independent simulation of the paper's
-//! definitions gave.
+//! What plain spatio-temporal dithering gets wrong: stacked layers whose maps are not independent hide one
+//! another too much or too little, for ever. The error is measured, shown beside that of independent layers,
+//! and held against what an independent simulation of the paper's definitions gave.
 
 use sheer_image::Image;
 use sheer_metrics::statistics::{Moments, z_score};
@@ -21,14 +21,15 @@ const WEIGHT: f32 = 0.1;
 /// After these, 0.1 % of the first frame is left.
 const FRAMES: u32 = 64;
 
-/// Layers and their alpha; what an independent simulation of the paper's definitions gave for layers of random colours: the error of STD over
-/// that of roulette, and the share of it that a 3×3 blur leaves.
+/// Layers and their alpha; what an independent simulation of the paper's definitions gave for layers of
+/// random colours: the error of STD over that of roulette, and the share of it that a 3×3 blur leaves.
 const STACKS: [(u32, f64, f64, f64); 3] = [
     (2, 0.45, 0.052 / 0.055, 0.044 / 0.052),
     (8, 0.2, 0.072 / 0.063, 0.046 / 0.072),
     (20, 0.1, 0.121 / 0.065, 0.064 / 0.121),
 ];
-/// Other colours and other maps than the simulation's give other ratios; this far from them, something else is going on.
+/// Other colours and other maps than the simulation's give other ratios; this far from them, something else
+/// is going on.
 const LEAST_AGREEMENT: f64 = 0.5;
 
 pub(super) fn checks(threads: Option<usize>) -> Result<Vec<Check>> {
@@ -82,8 +83,8 @@ fn agree(found: f64, expected: f64) -> bool {
     (found / expected).min(expected / found) >= LEAST_AGREEMENT
 }
 
-/// RMS error by channel if each frame is drawn independently: a channel is 1 with the probability of its layers, and an average of weight w
-/// keeps w / (2 - w) of the variance.
+/// RMS error by channel if each frame is drawn independently: a channel is 1 with the probability of its
+/// layers, and an average of weight w keeps w / (2 - w) of the variance.
 fn independent_rms(count: u32, alpha: f64) -> [f64; 3] {
     let mut probability = [0.0; 3];
     let mut transmittance = 1.0;
@@ -140,7 +141,8 @@ impl Error {
         self.blurred_squares.map(|squares| squares.mean().sqrt())
     }
 
-    /// Whether the mean square over all channels is the expected one, for pixels that are independent of one another.
+    /// Whether the mean square over all channels is the expected one, for pixels that are independent of one
+    /// another.
     fn z(&self, expected_rms: [f64; 3]) -> f64 {
         let expected = mean(expected_rms.map(|rms| rms * rms));
         z_score(self.pixels.mean() - expected, self.pixels.variance_of_mean().sqrt())

@@ -147,8 +147,8 @@ impl<'b, B: Backend> Sides<'b, B> {
         let (added_up, _) = render(*backend, on_backend, method, Antialiasing::TAA, TAA_FRAMES)?;
         let (expected_sum, _) = render(&Cpu, on_cpu, method, Antialiasing::TAA, TAA_FRAMES)?;
 
-        // The single frame: what each pixel shows, and where and how fast that is. Both sides were advanced by
-        // TAA's clock last, but edges are those of that frame.
+        // The single frame: what each pixel shows, and where and how fast that is. Both sides were advanced
+        // by TAA's clock last, but edges are those of that frame.
         on_cpu.advance(Clock::new(&settings(0), Antialiasing::NONE).at(0));
         let tolerance = Tolerance::of(method);
         let single = Disagreement::measure(on_cpu, &expected, &found, tolerance)?;

@@ -1,11 +1,13 @@
 //! Methods without bias: their mean over many frames is the exact picture.
 //!
-//! Both are rendered with the same sample positions, so that only the dithering differs. Three questions are asked of a picture:
+//! Both are rendered with the same sample positions, so that only the dithering differs. Three questions are
+//! asked of a picture:
 //!
 //! * its mean brightness, a standard normal number;
 //! * its blocks: each gives a standard normal number, and the sum of their squares a chi-square one;
-//! * its pixels, each by itself, the least likely one counting. What is rarely drawn in a pixel is far from normal in it, so the probability of its
-//!   deviation is bounded by Bernstein's inequality, from the variance and the greatest brightness that its fragments exactly have.
+//! * its pixels, each by itself, the least likely one counting. What is rarely drawn in a pixel is far from
+//!   normal in it, so the probability of its deviation is bounded by Bernstein's inequality, from the
+//!   variance and the greatest brightness that its fragments exactly have.
 
 use std::ops::ControlFlow;
 
@@ -93,7 +95,8 @@ fn accumulate(stage: &mut Stage, method: &str, seed: u32) -> Result<Image<f64>> 
     Ok(brightness(&play(stage, method, Antialiasing::ACCUMULATE, settings(seed), FRAMES)?))
 }
 
-/// What a pixel's brightness exactly is, over all frames: that of a fragment drawn with the probability that it is seen.
+/// What a pixel's brightness exactly is, over all frames: that of a fragment drawn with the probability that
+/// it is seen.
 #[derive(Clone, Copy, Debug, Default)]
 struct Drawn {
     /// Mean.

@@ -130,7 +130,8 @@ mod tests {
         // 15 degrees of freedom, of which 99.9 % lie below 37.7.
         let found = chi_square(pairs_of_quarters("pcg"));
         assert!(found < 37.7, "{found}");
-        // The sine hash is not that uniform, whatever it draws. But no pair is rare, as equal draws would make most.
+        // The sine hash is not that uniform, whatever it draws. But no pair is rare, as equal draws would
+        // make most.
         let counts = pairs_of_quarters("mcguire");
         assert!(counts.iter().all(|count| (800..1200).contains(count)), "{counts:?}");
         assert!(chi_square(counts) > 37.7, "the sine hash has become as good: test it as the other");

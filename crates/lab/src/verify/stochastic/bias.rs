@@ -75,8 +75,8 @@ fn single_layer(estimator: &str) -> Result<Check> {
     Ok(number_check(name, "ST section 4.2", alpha, Some(1.0), &measured, |mean| mean / alpha))
 }
 
-/// D of Example 1: biased for any S, its error falling with S. The second layer's visibility is 1 - R/S of the first, and nothing else is
-/// random.
+/// D of Example 1: biased for any S, its error falling with S. The second layer's visibility is 1 - R/S of
+/// the first, and nothing else is random.
 fn corrected_depth(samples: u32, masks: &str) -> Result<Check> {
     let stack = Stack::example_1();
     let right = stack.colour();
@@ -95,7 +95,8 @@ fn corrected_depth(samples: u32, masks: &str) -> Result<Check> {
     Ok(colour_check(name, "ST section 4.2", expected, None, &measured, f64::sqrt))
 }
 
-/// Two passes of four samples that share R between them are nearly as good as one of eight. `measured` is the same estimator.
+/// Two passes of four samples that share R between them are nearly as good as one of eight. `measured` is the
+/// same estimator.
 fn eight_samples(name: &str, estimator: Estimator, measured: Estimator) -> Result<Check> {
     let stack = Stack::example_1();
     let right = stack.colour();

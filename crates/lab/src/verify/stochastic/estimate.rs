@@ -4,7 +4,8 @@ use sheer_metrics::statistics::{Moments, sidak_family, two_sided_p, two_sided_z,
 
 use crate::verify::check::{Check, Value};
 
-/// Squares of what 32-bit floats make of sums of a few numbers up to 1: what should not differ differs by no more.
+/// Squares of what 32-bit floats make of sums of a few numbers up to 1: what should not differ differs by no
+/// more.
 const ROUNDING_SQUARED: f64 = 1e-12;
 
 /// The measured means of three numbers that chance has a part in, against what they should be; one verdict.
@@ -50,7 +51,8 @@ pub(super) fn number_check(
     }
 }
 
-/// Standard errors between a mean and what it should be. Where nothing varies, anything beyond rounding is infinitely far.
+/// Standard errors between a mean and what it should be. Where nothing varies, anything beyond rounding is
+/// infinitely far.
 fn mean_z(expected: f64, measured: &Moments) -> f64 {
     let difference = measured.mean() - expected;
     if difference * difference <= ROUNDING_SQUARED && measured.variance() <= ROUNDING_SQUARED {

@@ -33,8 +33,9 @@ const fn row(
     Row { estimator: Estimator { law, is_depth_based, is_corrected }, section, printed: [first, second] }
 }
 
-/// Naive sampling of Example 2 has half the printed error by any count; with alpha correction, Example 1 comes out smaller than printed,
-/// above all with depth. The paper tells too little of its own count to say why.
+/// Naive sampling of Example 2 has half the printed error by any count; with alpha correction, Example 1
+/// comes out smaller than printed, above all with depth. The paper tells too little of its own count to say
+/// why.
 const ROWS: [Row; 7] = [
     row(Law::Naive, [false, false], "ST section 3.1", Some([0.25, 0.21, 0.23]), Some(0.35)),
     row(Law::Naive, [false, true], "ST section 3.3", None, None),
@@ -99,8 +100,8 @@ fn words(estimator: Estimator) -> String {
 mod tests {
     use super::{super::tests::failures, *};
 
-    /// Worked out elsewhere, to three digits. Naive sampling with alpha correction errs in
-    /// Example 2 in empty pixels alone: 0.684 · 0.75⁸; naive depth in the share of the first layer: 0.45 · √(0.45 · 0.55 / 4).
+    /// Worked out elsewhere, to three digits. Naive sampling with alpha correction errs in Example 2 in empty
+    /// pixels alone: 0.684 · 0.75⁸; naive depth in the share of the first layer: 0.45 · √(0.45 · 0.55 / 4).
     const KNOWN: [([f64; 3], f64); 7] = [
         ([0.249, 0.216, 0.230], 0.174),
         ([0.217, 0.214, 0.0], 0.068),

@@ -1,4 +1,5 @@
-//! How the error falls with the number of samples: as 1/S for one layer, as 1/√S in thin media (ST section 3.1).
+//! How the error falls with the number of samples: as 1/S for one layer, as 1/√S in thin media (ST section
+//! 3.1).
 
 use sheer_metrics::statistics::{Moments, z_score};
 
@@ -26,14 +27,16 @@ pub(super) fn checks() -> Result<Vec<Check>> {
 /// A stack for a number of samples, and the mean square error of the basic estimator with it.
 type Medium = fn(u32) -> (Stack, f64);
 
-/// A third of the samples and a third of one: the same fraction is left to chance whether there are 4, 16 or 64.
+/// A third of the samples and a third of one: the same fraction is left to chance whether there are 4, 16 or
+/// 64.
 fn one_layer(samples: u32) -> (Stack, f64) {
     let alpha = 1.0 / 3.0;
     let chance = (alpha * f64::from(samples)).fract();
     (Stack::single(alpha), chance * (1.0 - chance) / f64::from(samples).powi(2))
 }
 
-/// As many layers as samples, a sample each: balls thrown into bins, of which some stay empty (Kolchin, Sevastyanov and Chistyakov 1978).
+/// As many layers as samples, a sample each: balls thrown into bins, of which some stay empty (Kolchin,
+/// Sevastyanov and Chistyakov 1978).
 fn thin_media(samples: u32) -> (Stack, f64) {
     let count = f64::from(samples);
     let layers = (0..samples).map(|id| Layer::new(id, 1.0 / count, [1.0; 3])).collect();

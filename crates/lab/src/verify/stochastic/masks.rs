@@ -44,7 +44,8 @@ impl Shares {
             pixels(&method, &stack, TRIALS, 8 + samples, |colour| colours.push(colour))?;
             Ok(colours)
         };
-        // What is seen of the layer behind, once by itself and once behind the other: the same masks, as they hang on the surface.
+        // What is seen of the layer behind, once by itself and once behind the other: the same masks, as they
+        // hang on the surface.
         let (together, alone) = (run(vec![front, back])?, run(vec![back])?);
         Ok(Self {
             samples,

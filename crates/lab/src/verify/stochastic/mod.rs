@@ -1,4 +1,5 @@
-//! Stochastic transparency (ST): the paper's figures and arguments, measured by the method itself on fragments made up.
+//! Stochastic transparency (ST): the paper's figures and arguments, measured by the method itself on
+//! fragments made up.
 
 use crate::{Result, verify::check::Check};
 

@@ -1,5 +1,5 @@
-//! All that can come out of a pixel of a few samples, with its probability: a second way to the same figures, in doubles, from the paper's
-//! definitions alone.
+//! All that can come out of a pixel of a few samples, with its probability: a second way to the same figures,
+//! in doubles, from the paper's definitions alone.
 
 use super::stack::{Layer, Stack};
 

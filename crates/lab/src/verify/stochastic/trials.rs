@@ -66,7 +66,8 @@ impl<F: FnMut([f64; 3])> Visitor for Trials<'_, F> {
         let samples = method.samples();
         let background = Vec3::from_array(self.stack.background.map(|value| value as f32));
         for trial in 0..self.count {
-            // Another pixel and another frame: neighbours may be stratified among themselves, frames never are.
+            // Another pixel and another frame: neighbours may be stratified among themselves, frames never
+            // are.
             let site = PixelSite {
                 pixel: [trial % 1024, trial / 1024],
                 frame: trial,

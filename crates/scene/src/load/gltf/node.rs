@@ -235,7 +235,8 @@ impl Hierarchy {
         let mut drawn_triangles = 0_u64;
         for (at, index, node) in self.shown(document) {
             let Some(mesh_index) = node.mesh else { continue };
-            // What is drawn at the node: the primitives of its mesh, on what skin, how often and with which weights.
+            // What is drawn at the node: the primitives of its mesh, on what skin, how often and with which
+            // weights.
             let node_place = place(document, index);
             let primitives = library.primitives(mesh_index, &node_place, materials, &mut parts.meshes)?;
             let skin = match node.skin {
@@ -259,7 +260,8 @@ impl Hierarchy {
                     .ok_or_else(|| document.fault(&node_place, "there are more than 2³² objects"))?;
                 for primitive in &primitives {
                     let mesh = &parts.meshes[primitive.mesh as usize];
-                    // Both what is drawn and what is stored is bounded, since a file can ask for copies without end.
+                    // Both what is drawn and what is stored is bounded, since a file can ask for copies
+                    // without end.
                     drawn_triangles += mesh.indices.len() as u64;
                     if drawn_triangles > MAX_DRAWN_TRIANGLES {
                         let problem = format!(
