@@ -22,17 +22,17 @@ pub(crate) fn run() -> anyhow::Result<()> {
     for (name, folder) in workspace::crates()? {
         let manifest = fs::read_to_string(folder.join("Cargo.toml")).with_context(|| name.clone())?;
         uses.insert(name.clone(), architecture::used_by(&manifest));
-        let graph = FileGraph::of_crate(&folder)?;
-        for circle in graph.circles() {
-            // Reported until the last one is gone.
-            eprintln!("rules: files of {name} use each other in a circle:\n{}", circle.trim_end());
-        }
+        let circles = FileGraph::of_crate(&folder)?.circles();
+        broken.extend(
+            circles
+                .iter()
+                .map(|circle| format!("files of {name} use each other in a circle:\n{}", circle.trim_end())),
+        );
     }
     for difference in architecture::differences(&architecture::drawn(&architecture), &uses) {
         broken.push(format!("the graph of crates in ARCHITECTURE.md: {difference}"));
     }
     let width = width::set_width(&read("rustfmt.toml")?).context("rustfmt.toml sets no max_width")?;
-    let mut wide = 0;
     for file in sources()? {
         // A file that is deleted but not yet committed is listed too.
         let Ok(text) = fs::read_to_string(workspace::root().join(&file)) else { continue };
@@ -41,9 +41,10 @@ pub(crate) fn run() -> anyhow::Result<()> {
                 "{file}:{line}: a value that has to be kept equal by hand; derive one from the other"
             ));
         }
-        wide += width::too_wide(&text, width).len();
+        for line in width::too_wide(&text, width) {
+            broken.push(format!("{file}:{line}: a comment beyond {width} columns"));
+        }
     }
-    eprintln!("rules: {wide} comments go beyond {width} columns");
     ensure!(broken.is_empty(), "{}", broken.join("\n"));
     Ok(())
 }
