@@ -10,10 +10,7 @@ use std::fmt;
 
 use sheer_image::Planes;
 use sheer_metrics::FragmentDifference;
-use sheer_render::{
-    Method, Stage,
-    method::{Family, hashed, moments, stochastic, weighted},
-};
+use sheer_render::{Method, Stage, method::Family};
 
 use crate::Result;
 
@@ -27,7 +24,7 @@ const DEPTH_SHARE: f32 = 1e-4;
 const MOTION_PX: f32 = 1e-2;
 /// Methods that keep sums alone: where layers hide the background they do not know which fragment is the
 /// furthest and stands for the pixel.
-const WITHOUT_FRAGMENT: [&str; 3] = [weighted::INFO.id, moments::INFO.id, stochastic::INFO.id];
+const WITHOUT_FRAGMENT: [&str; 3] = ["weighted", "moments", "stochastic"];
 
 /// How far a rendering may be from the CPU's of the same frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,7 +50,7 @@ impl Tolerance {
     pub fn of(method: &Method) -> Self {
         let id = method.info().id;
         // A logarithm of another last bit may draw another threshold.
-        let inside_share = if id == hashed::INFO.id { 0.001 } else { 0.0 };
+        let inside_share = if id == "hashed" { 0.001 } else { 0.0 };
         let inside_share = (!WITHOUT_FRAGMENT.contains(&id)).then_some(inside_share);
         let (colour, colour_share) = match method.family() {
             // Accuracy of half floats, 2⁻¹¹, twice.

@@ -9,9 +9,7 @@ use std::sync::Arc;
 use sheer_image::Planes;
 use sheer_metrics::statistics::{Moments, z_score};
 use sheer_render::{
-    Antialiasing, Backend, Clock, Counters, Method, Settings, Stage,
-    backend::Cpu,
-    method::{METHODS, kbuffer, stochastic},
+    Antialiasing, Backend, Clock, Counters, Method, Settings, Stage, backend::Cpu, method::METHODS,
 };
 use sheer_scene::{CameraChoice, Scene};
 
@@ -69,7 +67,7 @@ pub fn twins<B: Backend>(backend: &B, asked: &Twins, progress: &dyn Progress) ->
     // Samples of stochastic transparency lie elsewhere in the pixels of hardware: these methods have a scene
     // where that does not matter.
     let (sampled, methods): (Vec<_>, Vec<_>) =
-        methods.into_iter().partition(|method| method.info().id == stochastic::INFO.id);
+        methods.into_iter().partition(|method| method.info().id == "stochastic");
     progress.expect((methods.len() * scenes.len() + sampled.len()) as u64);
 
     let mut checks = Vec::new();
@@ -105,7 +103,7 @@ pub fn twins<B: Backend>(backend: &B, asked: &Twins, progress: &dyn Progress) ->
 fn all_methods() -> Result<Vec<Method>> {
     let names = METHODS.iter().map(|info| match info.id {
         // What has no place in a k-buffer is blended in no order on a GPU: it is compared where all have one.
-        id if id == kbuffer::INFO.id => "kbuffer:k=32",
+        "kbuffer" => "kbuffer:k=32",
         id => id,
     });
     Ok(names.chain(VARIANTS).map(str::parse).collect::<Result<_, _>>()?)
@@ -153,7 +151,7 @@ impl<'b, B: Backend> Sides<'b, B> {
         let tolerance = Tolerance::of(method);
         let single = Disagreement::measure(on_cpu, &expected, &found, tolerance)?;
         // What has no place in a k-buffer is summed up on a GPU, which cannot blend in order.
-        let expected_merged = if method.info().id == kbuffer::INFO.id { 0 } else { expected_counters.merged };
+        let expected_merged = if method.info().id == "kbuffer" { 0 } else { expected_counters.merged };
         let overflow = (counters.merged as f64 - expected_merged as f64) / single.pixels as f64;
         if overflow > OVERFLOW_SHARE {
             progress.warn(&format!(
