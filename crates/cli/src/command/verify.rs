@@ -79,7 +79,12 @@ fn table(report: &Verification) -> String {
             value(check.paper),
             value(check.measured),
             number(check.z, 2),
-            if check.pass { "ok" } else { "FAILED" }.to_owned(),
+            match (check.pass, check.differs_from_paper()) {
+                (true, false) => "ok",
+                (true, true) => "ok, not as printed",
+                (false, _) => "FAILED",
+            }
+            .to_owned(),
         ]);
     }
     table.text()

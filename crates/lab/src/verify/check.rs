@@ -28,6 +28,31 @@ pub struct Check {
     pub pass: bool,
 }
 
+impl Check {
+    /// Whether what was measured rounds to something else than the paper prints; false where it prints
+    /// nothing. The closed form decides whether a check passes: papers have slips and samples of their own.
+    #[must_use]
+    pub fn differs_from_paper(&self) -> bool {
+        let Some((paper, measured)) = self.paper.zip(self.measured) else { return false };
+        let (paper, measured) = (paper.channels(), measured.channels());
+        // Papers print two decimals or more: half of the last one is rounding.
+        let decimals = |value: &f64| value.to_string().split_once('.').map_or(0, |(_, behind)| behind.len());
+        let decimals = paper.iter().map(decimals).max().unwrap_or(0).max(2);
+        let half = 0.5 * 0.1_f64.powi(decimals as i32) * (1.0 + 1e-9);
+        paper.iter().zip(measured).any(|(paper, measured)| (paper - measured).abs() > half)
+    }
+}
+
+impl Value {
+    /// A number as three of the same.
+    fn channels(self) -> [f64; 3] {
+        match self {
+            Self::Number(value) => [value; 3],
+            Self::Colour(channels) => channels,
+        }
+    }
+}
+
 /// A number or a colour.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
@@ -93,6 +118,19 @@ mod tests {
         let mut alone = [random(3.5)];
         judge(&mut alone);
         assert!(!alone[0].pass);
+    }
+
+    #[test]
+    fn what_is_not_as_printed_is_told_from_rounding() {
+        let check = |paper, measured| exact("", "", 0.0, Some(paper), measured).differs_from_paper();
+        assert!(!check(0.25, 0.249) && !check(0.1, 0.104_9) && !check(1512.0, 1512.0));
+        assert!(check(0.35, 0.174) && check(0.1, 0.106) && check(0.273, 0.2742));
+        let colour = |channels| Some(Value::Colour(channels));
+        let printed = colour([0.14, 0.12, 0.0]);
+        let rest = exact("", "", 0.0, None, 0.0);
+        let with = |measured| Check { paper: printed, measured, ..rest.clone() }.differs_from_paper();
+        assert!(!with(colour([0.136, 0.124, 0.0])) && with(colour([0.027, 0.027, 0.0])));
+        assert!(!rest.differs_from_paper(), "the paper prints nothing");
     }
 
     #[test]

@@ -4,13 +4,19 @@
 use crate::{Progress, Result};
 
 mod check;
+mod correction;
 mod ends;
+mod estimate;
 mod layers;
 mod maps;
+mod model;
 mod picture;
+mod reprojection;
+mod shadows;
 mod stacked;
 mod stochastic;
 mod threads;
+mod thresholds;
 mod twins;
 mod unbiased;
 
@@ -25,13 +31,17 @@ pub use self::{
 /// A check could not be made.
 pub fn promises(threads: Option<usize>, progress: &dyn Progress) -> Result<Vec<Check>> {
     type Group = fn(Option<usize>) -> Result<Vec<Check>>;
-    let groups: [(&str, Group); 7] = [
+    let groups: [(&str, Group); 11] = [
         ("threshold maps", |_| Ok(maps::checks())),
         ("layers", layers::checks),
         ("alpha 0 and 1", ends::checks),
         ("threads", |_| threads::checks()),
         ("unbiased methods", unbiased::checks),
         ("stacked layers", stacked::checks),
+        ("thresholds", |_| thresholds::checks()),
+        ("motion vectors", |_| Ok(reprojection::checks())),
+        ("correction", correction::checks),
+        ("shadows", shadows::checks),
         ("stochastic", |_| stochastic::checks()),
     ];
     progress.expect(groups.len() as u64);

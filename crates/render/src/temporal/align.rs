@@ -7,7 +7,7 @@ use crate::contract::{Alignment, AlignmentRule};
 
 /// How history is reprojected in a frame.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Reprojection {
+pub struct Reprojection {
     /// How motion vectors are aligned to the dithering pattern.
     pub alignment: Alignment,
     /// Width and height of the picture, pixels.
@@ -21,7 +21,8 @@ pub(super) struct Reprojection {
 impl Reprojection {
     /// The motion vector (pixels) of a transparent pixel as a multiple of the pattern's side, so that history
     /// is fetched from a pixel at the same position in the pattern.
-    pub(super) fn aligned(self, motion: Vec2, pixel: [u32; 2]) -> Vec2 {
+    #[must_use]
+    pub fn aligned(self, motion: Vec2, pixel: [u32; 2]) -> Vec2 {
         let side = self.alignment.side_px as f32;
         match self.alignment.rule {
             AlignmentRule::Off => motion,

@@ -15,7 +15,7 @@ use crate::{
     settings::{FrameSettings, Settings},
 };
 
-mod align;
+pub mod align;
 mod jitter;
 mod technique;
 

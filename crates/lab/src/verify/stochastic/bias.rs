@@ -1,12 +1,12 @@
 //! ST section 4: which estimators are right on average, and how far off the others are.
 
 use super::{
-    estimate::{colour_check, number_check},
     examples::keys,
     outcomes::{Estimator, Exact, Law, size_probability},
     stack::{Layer, Stack},
     trials::moments,
 };
+use crate::verify::estimate::{colour_check, number_check};
 use crate::{Result, verify::check::Check};
 
 /// Pixels a check: a mean is known to a thousandth of the error of one pixel or better.

@@ -1,11 +1,11 @@
 //! The two examples of ST section 3.1 under every estimator: RMS error by channel with four samples.
 
 use super::{
-    estimate::colour_check,
     outcomes::{Estimator, Exact, Law},
     stack::Stack,
     trials::moments,
 };
+use crate::verify::estimate::colour_check;
 use crate::{Result, verify::check::Check};
 
 /// Pixels a row.

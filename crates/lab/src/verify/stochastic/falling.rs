@@ -4,10 +4,10 @@
 use sheer_metrics::statistics::{Moments, z_score};
 
 use super::{
-    estimate::number_check,
     stack::{Layer, Stack},
     trials::moments,
 };
+use crate::verify::estimate::number_check;
 use crate::{
     Result,
     verify::check::{Check, Value},

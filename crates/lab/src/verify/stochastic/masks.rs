@@ -3,11 +3,11 @@
 use sheer_metrics::statistics::Moments;
 
 use super::{
-    estimate::number_check,
     outcomes::size_probability,
     stack::{Layer, Stack},
     trials::pixels,
 };
+use crate::verify::estimate::number_check;
 use crate::{Result, verify::check::Check};
 
 /// Pixels a check.

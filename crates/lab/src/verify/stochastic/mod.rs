@@ -4,7 +4,6 @@
 use crate::{Result, verify::check::Check};
 
 mod bias;
-mod estimate;
 mod examples;
 mod falling;
 mod masks;

@@ -2,7 +2,7 @@
 
 use sheer_metrics::statistics::{Moments, sidak_family, two_sided_p, two_sided_z, z_score};
 
-use crate::verify::check::{Check, Value};
+use super::check::{Check, Value};
 
 /// Squares of what 32-bit floats make of sums of a few numbers up to 1: what should not differ differs by no
 /// more.
@@ -53,7 +53,7 @@ pub(super) fn number_check(
 
 /// Standard errors between a mean and what it should be. Where nothing varies, anything beyond rounding is
 /// infinitely far.
-fn mean_z(expected: f64, measured: &Moments) -> f64 {
+pub(super) fn mean_z(expected: f64, measured: &Moments) -> f64 {
     let difference = measured.mean() - expected;
     if difference * difference <= ROUNDING_SQUARED && measured.variance() <= ROUNDING_SQUARED {
         return 0.0;
@@ -62,7 +62,7 @@ fn mean_z(expected: f64, measured: &Moments) -> f64 {
 }
 
 /// The standard normal number that is as rare as the rarest of several.
-fn worst(z: impl IntoIterator<Item = f64>) -> f64 {
+pub(super) fn worst(z: impl IntoIterator<Item = f64>) -> f64 {
     let (least, count) = z.into_iter().fold((1.0_f64, 0), |(least, count), z| {
         // Not a number is no probability: nothing may pass for it.
         let p = two_sided_p(z);
