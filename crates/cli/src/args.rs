@@ -184,6 +184,10 @@ pub(crate) struct ExperimentsArguments {
     /// Seed of the dithering.
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub(crate) seed: u32,
+    /// How many seeds claims rest on, from --seed on: with two or more each says how likely it is to be
+    /// chance.
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=100))]
+    pub(crate) seeds: u32,
     #[command(flatten)]
     pub(crate) backend: BackendArguments,
     #[command(flatten)]

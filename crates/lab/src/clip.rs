@@ -108,18 +108,47 @@ impl Clip {
         methods: &[Method],
         progress: &dyn Progress,
     ) -> Result<Vec<Measured>> {
-        let reference_at = methods.iter().position(|method| method.to_string() == REFERENCE);
+        let measured = self.play_seeds(backend, stage, methods, &[self.settings.seed], progress)?;
+        Ok(measured.into_iter().flatten().collect())
+    }
+
+    /// The same with several seeds, which share the reference: one for each seed of each method, and one for
+    /// the reference.
+    pub(crate) fn play_seeds<B: Backend>(
+        &self,
+        backend: &B,
+        stage: &mut B::Stage,
+        methods: &[Method],
+        seeds: &[u32],
+        progress: &dyn Progress,
+    ) -> Result<Vec<Vec<Measured>>> {
+        let is_reference = |method: &Method| method.to_string() == REFERENCE;
+        let contestants: Vec<(&Method, u32)> = methods
+            .iter()
+            .flat_map(|method| {
+                let seeds = if is_reference(method) { &seeds[..1] } else { seeds };
+                seeds.iter().map(move |&seed| (method, seed))
+            })
+            .collect();
+        let reference_at = contestants.iter().position(|(method, _)| is_reference(method));
         let reference_at = reference_at
             .ok_or_else(|| LabError::Misuse(format!("{REFERENCE} has to be among the methods")))?;
-        let mut pipelines = pipelines(backend, methods, self.antialiasing, self.settings)?;
-        pipelines.iter().flat_map(|pipeline| backend.notes(pipeline)).for_each(|note| progress.warn(note));
+        let mut pipelines = Vec::with_capacity(contestants.len());
+        for &(method, seed) in &contestants {
+            let settings = Settings { seed, ..self.settings };
+            pipelines.extend(self::pipelines(backend, [method], self.antialiasing, settings)?);
+        }
+        // Other seeds have the same to say.
+        for (pipeline, _) in pipelines.iter().zip(&contestants).filter(|(_, (_, seed))| *seed == seeds[0]) {
+            backend.notes(pipeline).iter().for_each(|note| progress.warn(note));
+        }
         let frame_of = |pipeline: &B::Pipeline| {
             let planes = backend.planes(pipeline).map_err(|error| LabError::of_backend(backend, error))?;
             Ok::<_, LabError>(Shown::new(&planes))
         };
 
         // Frame by frame, and each held against the reference in the half of the frames that counts.
-        let mut records: Vec<Record> = methods.iter().map(|_| Record::default()).collect();
+        let mut records: Vec<Record> = contestants.iter().map(|_| Record::default()).collect();
         let timeline = Timeline::of(&self.settings, self.antialiasing, self.frame_count);
         play(backend, stage, &mut pipelines, timeline, |event| {
             match event {
@@ -146,15 +175,23 @@ impl Clip {
         // What remains to be judged once: the last picture, and the clip as a whole.
         let reference = frame_of(&pipelines[reference_at])?;
         let reference_clip = &records[reference_at].shown;
-        let measured = methods.iter().zip(&pipelines).zip(&records).enumerate();
-        let measured = measured.map(|(at, ((method, pipeline), record))| {
+        let mut measured: Vec<Vec<Measured>> = Vec::with_capacity(methods.len());
+        for (at, ((&(method, seed), pipeline), record)) in
+            contestants.iter().zip(&pipelines).zip(&records).enumerate()
+        {
             let vdp_jod = self
                 .keeps_frames
                 .then(|| video_vdp_jod(reference_clip, &record.shown, self.frames_per_sec()));
             let reference = (at != reference_at).then_some(&reference);
-            self.measured(backend, (method, pipeline), record, reference, vdp_jod.transpose()?)
-        });
-        measured.collect()
+            let of_seed =
+                self.measured(backend, (method, pipeline), record, reference, vdp_jod.transpose()?)?;
+            if seed == seeds[0] {
+                measured.push(vec![of_seed]);
+            } else {
+                measured.last_mut().expect("the first seed comes first").push(of_seed);
+            }
+        }
+        Ok(measured)
     }
 
     /// At which the clip is played.

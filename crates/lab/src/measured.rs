@@ -54,6 +54,39 @@ pub struct Measured {
     pub error_map: Option<Image<[u8; 4]>>,
 }
 
+impl Measured {
+    /// The means of runs that differ in their seeds alone; method, frame times and pictures are those of the
+    /// first.
+    ///
+    /// # Panics
+    /// Without a run.
+    pub(crate) fn mean(runs: &[Self]) -> Self {
+        let mean = |of: &dyn Fn(&Self) -> f64| runs.iter().map(of).sum::<f64>() / runs.len() as f64;
+        // What has no figure in one run, as it equals the reference, has none on average.
+        let mean_of_some = |of: &dyn Fn(&Self) -> Option<f64>| {
+            runs.iter().map(of).sum::<Option<f64>>().map(|sum| sum / runs.len() as f64)
+        };
+        Self {
+            ms_median: mean(&|run| run.ms_median),
+            ms_min: mean(&|run| run.ms_min),
+            ms_max: mean(&|run| run.ms_max),
+            ssim: mean(&|run| run.ssim),
+            psnr_db: mean_of_some(&|run| run.psnr_db),
+            tpsnr_db: mean_of_some(&|run| run.tpsnr_db),
+            vdp_jod: mean_of_some(&|run| run.vdp_jod),
+            flip: mean(&|run| run.flip),
+            flicker: mean(&|run| run.flicker),
+            bias: mean(&|run| run.bias),
+            rms: mean(&|run| run.rms),
+            shaded_per_pixel: mean(&|run| run.shaded_per_pixel),
+            hits_per_pixel: mean(&|run| run.hits_per_pixel),
+            memory_bytes_per_pixel: mean(&|run| run.memory_bytes_per_pixel),
+            merged_per_pixel: mean(&|run| run.merged_per_pixel),
+            ..runs.first().expect("a mean is of one run at least").clone()
+        }
+    }
+}
+
 /// All figures, in the order in which they are shown.
 const COLUMNS: &[Column<Measured>] = &[
     Column {

@@ -43,6 +43,7 @@ fn experiment<B: Backend + 'static>(arguments: &ExperimentsArguments, backend: &
         backend,
         size: arguments.size.unwrap_or(DEFAULT_EXPERIMENT_SIZE).0,
         seed: arguments.seed,
+        seed_count: arguments.seeds,
         threads: arguments.machine.threads,
         progress: &bar,
         files: &arguments.files,

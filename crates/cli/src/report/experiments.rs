@@ -85,8 +85,8 @@ impl Experiments {
         let mut text = String::new();
         for section in &self.sections {
             let _ = writeln!(text, "{} ({})", section.title, section.source);
-            for Claim { text: claim, holds } in &section.findings.claims {
-                let _ = writeln!(text, "  {} {claim}", if *holds { "✓" } else { "✗" });
+            for claim in &section.findings.claims {
+                let _ = writeln!(text, "  {}", line(claim));
             }
             if let Some(refused) = &section.refused {
                 let _ = writeln!(text, "  – not run: {refused}");
@@ -101,13 +101,20 @@ impl Experiments {
         let Run { size: [width, height], threads, adapter, commit, seed, .. } = &self.run;
         let mut text = format!(
             "# Results\n\nMade by `sheer experiments` at {width}x{height} on {threads} threads ({adapter}), commit `{commit}`, seed {seed}. \
-             Times are those of this machine and good to compare with one another only. A cross marks what did not come out as the paper, or we, say.\n"
+             Times are those of this machine and good to compare with one another only. A cross marks what did not come out as the paper, or we, say, a question mark what the seeds do not decide.\n"
         );
         for section in &self.sections {
             section.write_markdown(&mut text, folder);
         }
         text
     }
+}
+
+/// A claim with its sign in front, and behind it what follows.
+fn line(claim: &Claim) -> String {
+    let Claim { text, remark, .. } = claim;
+    let remark = remark.as_ref().map(|remark| format!(". {remark}")).unwrap_or_default();
+    format!("{} {text}{remark}", claim.mark())
 }
 
 impl Section {
@@ -143,8 +150,8 @@ impl Section {
     fn write_markdown(&self, text: &mut String, folder: &str) {
         let Findings { claims, commands, tables, plots, pictures } = &self.findings;
         let _ = write!(text, "\n## {}\n\n*{}.* {}\n\n", self.title, self.source, self.account);
-        for Claim { text: claim, holds } in claims {
-            let _ = writeln!(text, "* {} {claim}", if *holds { "✓" } else { "✗" });
+        for claim in claims {
+            let _ = writeln!(text, "* {}", line(claim));
         }
         if let Some(refused) = &self.refused {
             let _ = writeln!(text, "* – not run: {refused}");

@@ -25,8 +25,21 @@ pub struct Findings {
 pub struct Claim {
     /// With the figures that decide.
     pub text: String,
-    /// Whether they do so in its favour.
+    /// Whether they do so in its favour; where seeds differ, beyond chance.
     pub holds: bool,
+    /// Probability that chance alone makes such a difference, 0 to 1, by a two-sided paired t-test; none
+    /// where nothing is random or there is one seed.
+    pub p: Option<f64>,
+    /// What follows from the outcome, in a sentence.
+    pub remark: Option<String>,
+}
+
+impl Claim {
+    /// A claim that no chance has a part in, or that allows for chance in its text.
+    #[must_use]
+    pub fn new(text: impl Into<String>, holds: bool) -> Self {
+        Self { text: text.into(), holds, p: None, remark: None }
+    }
 }
 
 /// A picture with its name.

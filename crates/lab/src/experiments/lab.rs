@@ -6,7 +6,10 @@ use sheer_image::{Planes, ToneCurve, display};
 use sheer_render::{Antialiasing, Backend, Clock, Method, Moment, Settings};
 use sheer_scene::CameraChoice;
 
-use super::findings::{Claim, Findings, Picture};
+use super::{
+    claims::Sample,
+    findings::{Findings, Picture},
+};
 use crate::{
     Clip, Figures, LabError, Measured, Progress, Result, Tally, Timeline, measure_cost,
     plot::{Axis, Plot, Series},
@@ -19,8 +22,10 @@ pub struct Lab<'a, B: Backend> {
     pub backend: &'a B,
     /// Width and height of pictures, pixels.
     pub size: [u32; 2],
-    /// Seed of the dithering.
+    /// Seed of the dithering, the first of several.
     pub seed: u32,
+    /// How many seeds claims rest on, each one more than the one before; at least one.
+    pub seed_count: u32,
     /// Threads to use, all the processor's by default.
     pub threads: Option<usize>,
     /// Steps with every frame.
@@ -72,6 +77,12 @@ impl<B: Backend> Lab<'_, B> {
         stage.map_err(|error| LabError::SetUp { scene: scene.to_owned(), source: error.into() })
     }
 
+    /// The seeds that claims rest on.
+    pub(super) fn seeds(&self) -> impl Iterator<Item = u32> + use<B> {
+        let first = self.seed;
+        (0..self.seed_count.max(1)).map(move |at| first.wrapping_add(at))
+    }
+
     /// Settings of a clip.
     #[must_use]
     pub fn settings(&self, start_secs: f32) -> Settings {
@@ -94,7 +105,7 @@ impl<B: Backend> Lab<'_, B> {
         self.backend.planes(pipeline).map_err(|error| LabError::of_backend(self.backend, error))
     }
 
-    /// Plays a clip with its methods and the reference.
+    /// Plays a clip with its methods, each with all seeds, and the reference.
     pub(super) fn play(&self, take: &Take<'_>) -> Result<Played> {
         let methods = take.methods.iter().map(|method| method.parse()).collect::<Result<Vec<_>, _>>()?;
         let methods = with_reference(methods)?;
@@ -106,7 +117,8 @@ impl<B: Backend> Lab<'_, B> {
             keeps_frames: false,
         };
         self.progress.name(take.scene.split(':').next().unwrap_or_default());
-        let measured = clip.play(self.backend, &mut stage, &methods, self.progress)?;
+        let seeds: Vec<u32> = self.seeds().collect();
+        let measured = clip.play_seeds(self.backend, &mut stage, &methods, &seeds, self.progress)?;
         Ok(Played { command: take.command(self.size), measured })
     }
 
@@ -133,28 +145,36 @@ impl<B: Backend> Lab<'_, B> {
 #[derive(Debug)]
 pub(super) struct Played {
     pub(super) command: String,
-    measured: Vec<Measured>,
+    /// Of each method, the reference among them, one for each seed.
+    measured: Vec<Vec<Measured>>,
 }
 
 impl Played {
-    /// What came of a method, by its text.
-    pub(super) fn row(&self, method: &str) -> &Measured {
-        self.find(method).expect("the method took part")
+    /// What came of a method, by its text: means over the seeds.
+    pub(super) fn row(&self, method: &str) -> Measured {
+        Measured::mean(self.find(method).expect("the method took part"))
     }
 
-    fn find(&self, method: &str) -> Option<&Measured> {
-        self.measured.iter().find(|measured| measured.method.to_string() == method)
+    /// A figure of a method with each of the seeds.
+    pub(super) fn sample(&self, method: &str, of: impl Fn(&Measured) -> f64) -> Sample {
+        Sample::new(method, self.find(method).expect("the method took part").iter().map(of).collect())
     }
 
-    /// The figures of all methods under these titles.
+    fn find(&self, method: &str) -> Option<&[Measured]> {
+        let of_method = self.measured.iter().find(|runs| runs[0].method.to_string() == method)?;
+        Some(of_method)
+    }
+
+    /// The figures of all methods under these titles: means over the seeds.
     pub(super) fn figures(&self, columns: &[&str]) -> Figures {
-        selected_figures(&self.measured, columns)
+        let means: Vec<Measured> = self.measured.iter().map(|runs| Measured::mean(runs)).collect();
+        selected_figures(&means, columns)
     }
 
     /// The pictures of some methods.
     pub(super) fn pictures<'a>(&'a self, methods: &'a [&str]) -> impl Iterator<Item = Picture> + 'a {
         methods.iter().filter_map(|method| {
-            let measured = self.find(method)?;
+            let measured = self.find(method)?.first()?;
             Some(Picture { label: measured.method.to_string(), image: measured.picture.clone() })
         })
     }
@@ -163,11 +183,6 @@ impl Played {
 /// A picture of planes.
 pub(super) fn picture(label: &str, planes: &Planes) -> Picture {
     Picture { label: label.to_owned(), image: display(&planes.colour, ToneCurve::default()) }
-}
-
-/// A claim of the paper, or of ours, and whether it held.
-pub(super) fn claim(text: impl Into<String>, holds: bool) -> Claim {
-    Claim { text: text.into(), holds }
 }
 
 /// Milliseconds over seconds, a line for each method.

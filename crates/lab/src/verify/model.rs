@@ -262,8 +262,8 @@ mod tests {
 
     #[test]
     fn the_simulation_gives_what_another_one_gave() {
-        // A simulation in another language, of 1200 to 5000 pictures of nine pixels; 400 pictures scatter by a
-        // fiftieth, and the tile's own noise is not all of the noise.
+        // A simulation in another language, of 1200 to 5000 pictures of nine pixels; 400 pictures scatter by
+        // a fiftieth, and the tile's own noise is not all of the noise.
         for (pattern, count, alpha, known) in [
             (Pattern::Std, 2, 0.45, 0.096),
             (Pattern::Std, 8, 0.2, 0.136),

@@ -277,8 +277,8 @@ fn mean_of(method: &str, source: &str, stack: Stack, measured: &Errors) -> Check
     }
 }
 
-/// The exponential average of frames through pixel centres, without the clamping of temporal anti-aliasing: each
-/// frame with the weight of all that show the same.
+/// The exponential average of frames through pixel centres, without the clamping of temporal anti-aliasing:
+/// each frame with the weight of all that show the same.
 fn average(stage: &mut Stage, method: &str, seed: u32, weights: &[f64]) -> Result<Vec<[f64; 3]>> {
     let settings = Settings { size: [SIDE as u32; 2], seed, ..Settings::default() };
     let mut pipeline = Pipeline::new(method.parse()?, Antialiasing::NONE, settings)?;

@@ -116,7 +116,8 @@ fn listing_1_check(
 
 /// STD Listing 4: each object has one of the 288 maps, whichever, and each as likely as another.
 fn listing_4_checks(model: &Model, method: &str) -> Result<[Check; 2]> {
-    // Nine pixels of a frame show all nine cells, so that no two maps look alike; further frames show the walk.
+    // Nine pixels of a frame show all nine cells, so that no two maps look alike; further frames show the
+    // walk.
     let frames = [0, 4, 8, 31, 62];
     let grid: Vec<[u32; 3]> = frames
         .into_iter()

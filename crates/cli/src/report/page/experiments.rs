@@ -23,13 +23,33 @@ struct Shown<'a> {
     title: &'a str,
     source: &'a str,
     account: &'a str,
-    claims: &'a [Claim],
+    claims: Vec<ClaimView<'a>>,
     refused: Option<&'a str>,
     held: usize,
     commands: &'a [String],
     tables: Vec<CaptionedTable<'a>>,
     plots: Vec<CaptionedChart<'a>>,
     pictures: Vec<EmbeddedPicture<'a>>,
+}
+
+/// A claim as the template wants it.
+#[derive(Serialize)]
+struct ClaimView<'a> {
+    text: &'a str,
+    /// Word of the style sheet for its sign.
+    outcome: &'static str,
+    remark: Option<&'a str>,
+}
+
+impl<'a> ClaimView<'a> {
+    fn new(claim: &'a Claim) -> Self {
+        let outcome = match claim.mark() {
+            "✓" => "holds",
+            "?" => "undecided",
+            _ => "fails",
+        };
+        Self { text: &claim.text, outcome, remark: claim.remark.as_deref() }
+    }
 }
 
 #[derive(Serialize)]
@@ -66,7 +86,7 @@ fn shown(section: &Section) -> Shown<'_> {
         title,
         source,
         account,
-        claims: &findings.claims,
+        claims: findings.claims.iter().map(ClaimView::new).collect(),
         refused: refused.as_deref(),
         held: findings.claims.iter().filter(|claim| claim.holds).count(),
         commands: &findings.commands,
@@ -105,10 +125,7 @@ mod tests {
             series: vec![Series::line(name, [[0.0, 1.0], [1.0, 2.0]])],
         };
         let findings = Findings {
-            claims: vec![
-                Claim { text: name.to_owned(), holds: true },
-                Claim { text: "no".to_owned(), holds: false },
-            ],
+            claims: vec![Claim::new(name, true), Claim::new("no", false)],
             commands: vec![format!("sheer render {name}")],
             tables: vec![(
                 name.to_owned(),
