@@ -365,8 +365,7 @@ impl Resources {
             Executor::Raster(path) => path.record(&mut recording, &groups),
         }
         self.history.record(
-            &device,
-            &queue,
+            gpu,
             &mut encoder,
             &mut self.timer,
             &self.pixels,

@@ -78,8 +78,7 @@ impl History {
     /// dithering.
     pub(crate) fn record(
         &mut self,
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
+        gpu: &Gpu,
         encoder: &mut wgpu::CommandEncoder,
         timer: &mut Timer,
         pixels: &wgpu::Buffer,
@@ -90,7 +89,7 @@ impl History {
         let Alignment { side_px: alignment_px, rule } = alignment;
         let (size, alignment_rule) = (self.size.into(), rule as u32);
         let uniform = TemporalUniform { size, count, alignment_px, frame, seed, alignment_rule, padding: 0 };
-        queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&uniform));
+        gpu.queue().write_buffer(&self.uniform, 0, bytemuck::bytes_of(&uniform));
         let [old, new] = if self.count.is_multiple_of(2) { [1, 0] } else { [0, 1] };
         let entries = [
             whole(BIND_TEMPORAL, &self.uniform),
@@ -98,7 +97,7 @@ impl History {
             whole(BIND_HISTORY, &self.colours[old]),
             whole(BIND_NEXT_HISTORY, &self.colours[new]),
         ];
-        let group = group_of(device, "temporal", &self.layout, &entries);
+        let group = group_of(&gpu.device(), "temporal", &self.layout, &entries);
         let timestamp_writes = timer.compute_writes(STEP);
         let descriptor = wgpu::ComputePassDescriptor { label: Some(STEP), timestamp_writes };
         let mut pass = encoder.begin_compute_pass(&descriptor);
@@ -209,7 +208,7 @@ mod tests {
                 usage: BufferUsages::STORAGE | BufferUsages::COPY_SRC,
             });
             let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-            history.record(&device, &queue, &mut encoder, &mut timer, &pixels, alignment, [frame, seed]);
+            history.record(gpu, &mut encoder, &mut timer, &pixels, alignment, [frame, seed]);
             queue.submit([encoder.finish()]);
             gpu.check("adding up").unwrap();
             planes = Some(read_planes(gpu, &pixels, history.colour(), SIZE).unwrap());
