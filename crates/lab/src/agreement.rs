@@ -225,7 +225,9 @@ mod tests {
 
     #[test]
     fn depth_motion_and_transparency_are_compared() {
-        let changes: [fn(&mut Planes, (u32, u32)); 4] = [
+        /// Changes a pixel, given by column and row.
+        type Change = fn(&mut Planes, (u32, u32));
+        let changes: [Change; 4] = [
             |planes, at| planes.depth[at] = 1.001 * planes.depth[at].min(1e3),
             |planes, at| planes.motion[at][1] += 0.02,
             |planes, at| planes.motion[at][0] = f32::NAN,
