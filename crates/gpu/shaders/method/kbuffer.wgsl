@@ -16,9 +16,9 @@
 
 // P_K slots a pixel, nearest first: complements of the bits of depths. Those of positive numbers are ordered
 // as the numbers are, and 0, what a cleared buffer holds, is further than all of them.
-@group(GROUP_OWN) @binding(1) var<storage, read_write> kept_depths: array<atomic<u32>>;
+@group(GROUP_OWN) @binding(BIND_KEPT_DEPTHS) var<storage, read_write> kept_depths: array<atomic<u32>>;
 // Complements of the triangles in these slots.
-@group(GROUP_OWN) @binding(2) var<storage, read_write> kept_triangles: array<atomic<u32>>;
+@group(GROUP_OWN) @binding(BIND_KEPT_TRIANGLES) var<storage, read_write> kept_triangles: array<atomic<u32>>;
 
 fn first_slot(pixel: vec2u) -> u32 {
     return P_K * (pixel.y * frame.size.x + pixel.x);

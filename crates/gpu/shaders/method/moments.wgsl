@@ -7,13 +7,13 @@
 #import shared/shade
 
 // The zeroth moment of a pixel: the sum of the absorbances of its fragments.
-@group(GROUP_OWN) @binding(1) var absorbances: texture_2d<f32>;
+@group(GROUP_OWN) @binding(BIND_ABSORBANCES) var absorbances: texture_2d<f32>;
 // The first to fourth, each times the absorbance.
-@group(GROUP_OWN) @binding(2) var moments: texture_2d<f32>;
+@group(GROUP_OWN) @binding(BIND_MOMENTS) var moments: texture_2d<f32>;
 // The fifth and so on; not read at order 4.
-@group(GROUP_OWN) @binding(3) var further_moments: texture_2d<f32>;
+@group(GROUP_OWN) @binding(BIND_FURTHER_MOMENTS) var further_moments: texture_2d<f32>;
 // Radiance by weight, and weights.
-@group(GROUP_OWN) @binding(4) var blended_sums: texture_2d<f32>;
+@group(GROUP_OWN) @binding(BIND_BLENDED_SUMS) var blended_sums: texture_2d<f32>;
 
 // All are added up.
 struct MomentSums {

@@ -8,9 +8,9 @@
 #import shared/shade
 
 // The layer of the pass before, or of this one: bits of its depth, and its triangle; NONE if there was none.
-@group(GROUP_OWN) @binding(1) var layer_keys: texture_2d<u32>;
+@group(GROUP_OWN) @binding(BIND_LAYER_KEYS) var layer_keys: texture_2d<u32>;
 // Light of all layers so far and their alpha, four floats a pixel.
-@group(GROUP_OWN) @binding(2) var<storage, read_write> peeled: array<vec4f>;
+@group(GROUP_OWN) @binding(BIND_PEELED_LAYERS) var<storage, read_write> peeled: array<vec4f>;
 
 struct Peeled {
     @location(0) key: vec2u,

@@ -6,8 +6,8 @@
 #import shared/shade
 
 // Weighted radiance, and weights.
-@group(GROUP_OWN) @binding(1) var weighted_sums: texture_2d<f32>;
-@group(GROUP_OWN) @binding(2) var weighted_transmittance: texture_2d<f32>;
+@group(GROUP_OWN) @binding(BIND_WEIGHTED_SUMS) var weighted_sums: texture_2d<f32>;
+@group(GROUP_OWN) @binding(BIND_WEIGHTED_TRANSMITTANCE) var weighted_transmittance: texture_2d<f32>;
 
 struct Weighted {
     // Radiance times its weight, and the weight; the target adds them up.

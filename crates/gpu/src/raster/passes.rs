@@ -136,7 +136,7 @@ impl Program {
         let mut entries =
             vec![texture_entry(BIND_OPAQUE_SURFACES, stage, wgpu::TextureSampleType::Uint, false)];
         entries
-            .extend(step.bound.iter().map(|&(binding, index)| resources[index].layout_entry(binding, stage)));
+            .extend(step.bound.iter().map(|&(binding, index)| resources[index].layout_entry(binding.number, stage)));
         let layout = layout(&device, step.entry_point, &entries);
         let pipeline = match &step.kind {
             StepKind::Draw { targets, depth } => {
@@ -202,7 +202,7 @@ impl DrawnPasses {
         }
         let with_group = |step: Step| {
             let mut entries = vec![texture_in(BIND_OPAQUE_SURFACES, &opaque.surface.view)];
-            entries.extend(step.bound.iter().map(|&(binding, index)| resources[index].entry(binding)));
+            entries.extend(step.bound.iter().map(|&(binding, index)| resources[index].entry(binding.number)));
             let layout = &programs[step.entry_point].layout;
             let group = group_of(&parts.gpu.device(), step.name, layout, &entries);
             (step, group)

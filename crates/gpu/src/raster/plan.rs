@@ -8,13 +8,14 @@
 use sheer_render::{
     Method,
     contract::{
-        NoRaster, OrderedCompositing, Raster, Selection, Step, Threshold, UnorderedCompositing, Visitor,
+        Binding, NoRaster, OrderedCompositing, Raster, Selection, ShaderConstant, Step, Threshold,
+        UnorderedCompositing, Visitor,
     },
 };
 
 use crate::{
     error::GpuError,
-    shader::{Linker, constants::of_constant, linked::Linked},
+    shader::{Linker, binding, constants::of_constant, linked::Linked},
 };
 
 /// All methods are linked into this piece; it imports their own as `method`.
@@ -62,9 +63,11 @@ pub(crate) fn raster_of(method: &Method) -> Result<Option<Raster>, GpuError> {
 
 /// The shader of a method that has all entry points of its steps.
 pub(crate) fn link(raster: &Raster, linker: Linker) -> Result<Linked, GpuError> {
-    let constants = match raster {
-        Raster::Lists | Raster::Multisample(_) => &[][..],
-        Raster::Passes(passes) => &passes.constants,
-    };
-    linker.constants(constants.iter().map(|constant| of_constant(constant).to_string()).collect()).link(PIECE)
+    let Raster::Passes(passes) = raster else { return linker.link(PIECE) };
+    // What several techniques bind has its number in all shaders.
+    let is_own = |binding: &Binding| binding::ALL.iter().all(|(name, _)| *name != binding.name);
+    let bindings = passes.bindings().into_iter().filter(is_own);
+    let numbers = bindings.map(|Binding { name, number }| ShaderConstant::count(name, number));
+    let constants = passes.constants.iter().copied().chain(numbers);
+    linker.constants(constants.map(|constant| of_constant(&constant).to_string()).collect()).link(PIECE)
 }

@@ -1,12 +1,14 @@
 //! Numbers of bind groups and of what is bound there. Shaders know them by the same names.
 //!
 //! Every pass binds group 0, the scene and the frame, and group 1, the pixels that come of it; group 2 is its
-//! own. What a method binds there beside is numbered where it says how it is drawn. Passes that add frames up
-//! see pixels alone, and group 0 is theirs.
+//! own. What a method binds there beside has its name and number where the method says how it is drawn
+//! ([`Binding`]). Passes that add frames up see pixels alone, and group 0 is theirs.
+
+use sheer_render::contract::Binding;
 
 /// Declares constants and lists them.
 macro_rules! numbers {
-    ($($(#[doc = $doc:literal])+ $name:ident = $value:literal;)+) => {
+    ($($(#[doc = $doc:literal])+ $name:ident = $value:expr;)+) => {
         $($(#[doc = $doc])+ pub(crate) const $name: u32 = $value;)+
 
         /// Every number by its name.
@@ -86,9 +88,9 @@ numbers! {
     BIND_LIST_NODES = 2;
     /// Group 2 of lists and of the k-buffer: radiance times alpha, and alpha, of the fragments that no memory
     /// was left for.
-    BIND_TAIL_SUMS = 3;
+    BIND_TAIL_SUMS = Binding::TAIL_SUMS.number;
     /// Group 2 of lists and of the k-buffer: the product of their transmittances.
-    BIND_TAIL_TRANSMITTANCE = 4;
+    BIND_TAIL_TRANSMITTANCE = Binding::TAIL_TRANSMITTANCE.number;
 
     /// Group 2 of stochastic transparency: the `Round`.
     BIND_ROUND = 1;

@@ -63,6 +63,18 @@ pub enum Resource {
     },
 }
 
+impl Passes {
+    /// The places where something is bound, each once.
+    #[must_use]
+    pub fn bindings(&self) -> Vec<Binding> {
+        let mut bindings: Vec<_> =
+            self.steps.iter().flat_map(|step| &step.bound).map(|&(binding, _)| binding).collect();
+        bindings.sort_by_key(|binding| binding.number);
+        bindings.dedup();
+        bindings
+    }
+}
+
 impl Resource {
     /// A target that starts from 0.
     #[must_use]
@@ -103,9 +115,31 @@ pub struct Step {
     pub entry_point: &'static str,
     /// What it runs over.
     pub kind: StepKind,
-    /// Bindings of group 2 and the indices in [`Passes::resources`] of what is bound there. Binding 0 is the
-    /// opaque surface of the pixel, whatever the method.
-    pub bound: Vec<(u32, usize)>,
+    /// Indices in [`Passes::resources`] of what is bound, and where.
+    pub bound: Vec<(Binding, usize)>,
+}
+
+/// A place of bind group 2, under the name that shaders know its number by. Number 0 is the opaque surface of
+/// the pixel, whatever the method.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Binding {
+    /// The WGSL constant for the number: `BIND_` and what is bound there.
+    pub name: &'static str,
+    /// Within the group; from 1 on.
+    pub number: u32,
+}
+
+impl Binding {
+    /// Radiance times alpha, and alpha, of fragments that no memory was left for.
+    pub const TAIL_SUMS: Self = Self::new("BIND_TAIL_SUMS", 3);
+    /// The product of the transmittances of these fragments.
+    pub const TAIL_TRANSMITTANCE: Self = Self::new("BIND_TAIL_TRANSMITTANCE", 4);
+
+    /// A place under a name.
+    #[must_use]
+    pub const fn new(name: &'static str, number: u32) -> Self {
+        Self { name, number }
+    }
 }
 
 impl Step {
@@ -115,7 +149,7 @@ impl Step {
 
     /// The step that ends the plan of every method.
     #[must_use]
-    pub fn last(bound: Vec<(u32, usize)>) -> Self {
+    pub fn last(bound: Vec<(Binding, usize)>) -> Self {
         Self { name: "front", entry_point: Self::FINAL_ENTRY_POINT, kind: StepKind::Pixels, bound }
     }
 }

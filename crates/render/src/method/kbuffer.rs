@@ -16,8 +16,8 @@ use sheer_core::{
 
 use super::stack::{Layer, MOST_LAYERS, Stack};
 use crate::contract::{
-    Blend, Fragment, Memory, MethodInfo, NoRaster, Passes, PixelSite, Raster, Resource, Step, StepKind,
-    TargetFormat, UnorderedCompositing, Visitor,
+    Binding, Blend, Fragment, Memory, MethodInfo, NoRaster, Passes, PixelSite, Raster, Resource, Step,
+    StepKind, TargetFormat, UnorderedCompositing, Visitor,
 };
 
 /// The row of the method in lists and help, and what a GPU needs of it.
@@ -88,14 +88,16 @@ impl UnorderedCompositing for Kbuffer {
             Resource::sums("tail sums", TargetFormat::Rgba16Float),
             Resource::products("tail transmittance", TargetFormat::R16Float),
         ];
+        const KEPT_DEPTHS: Binding = Binding::new("BIND_KEPT_DEPTHS", 1);
+        const KEPT_TRIANGLES: Binding = Binding::new("BIND_KEPT_TRIANGLES", 2);
         let draw = |name, entry_point, bound| {
             let targets = vec![(2, Some(Blend::Add)), (3, Some(Blend::Multiply))];
             Step { name, entry_point, kind: StepKind::Draw { targets, depth: None }, bound }
         };
         let steps = vec![
-            draw("keep", "fs_keep", vec![(1, 0)]),
-            draw("claim", "fs_claim", vec![(1, 0), (2, 1)]),
-            Step::last(vec![(2, 1), (3, 2), (4, 3)]),
+            draw("keep", "fs_keep", vec![(KEPT_DEPTHS, 0)]),
+            draw("claim", "fs_claim", vec![(KEPT_DEPTHS, 0), (KEPT_TRIANGLES, 1)]),
+            Step::last(vec![(KEPT_TRIANGLES, 1), (Binding::TAIL_SUMS, 2), (Binding::TAIL_TRANSMITTANCE, 3)]),
         ];
         Ok(Raster::Passes(Passes { resources, steps, constants: Vec::new() }))
     }

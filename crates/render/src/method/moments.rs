@@ -19,7 +19,7 @@ use sheer_core::{
 
 use self::hamburger::Problem;
 use crate::contract::{
-    Blend, Fragment, Memory, MethodInfo, NoRaster, Passes, PixelSite, Raster, Resource, Retrace,
+    Binding, Blend, Fragment, Memory, MethodInfo, NoRaster, Passes, PixelSite, Raster, Resource, Retrace,
     ShaderConstant, ShaderValue, Step, StepKind, TargetFormat, UnorderedCompositing, Visitor,
 };
 
@@ -157,6 +157,10 @@ impl UnorderedCompositing for Moments {
     }
 
     fn raster(&self) -> Result<Raster, NoRaster> {
+        const ABSORBANCES: Binding = Binding::new("BIND_ABSORBANCES", 1);
+        const MOMENTS: Binding = Binding::new("BIND_MOMENTS", 2);
+        const FURTHER_MOMENTS: Binding = Binding::new("BIND_FURTHER_MOMENTS", 3);
+        const BLENDED_SUMS: Binding = Binding::new("BIND_BLENDED_SUMS", 4);
         let (bias, towards) = self.order.published_bias();
         let mut four = [0.0; 4];
         four.iter_mut().zip(towards).for_each(|(four, towards)| *four = *towards as f32);
@@ -176,7 +180,7 @@ impl UnorderedCompositing for Moments {
             Order::Eight => resources.push(Resource::sums("moments 5 to 8", TargetFormat::Rgba32Float)),
         }
         // At order 4 the first four stand in for the further ones, which nothing looks at.
-        let sums = vec![(1, 1), (2, 2), (3, resources.len() - 1)];
+        let sums = vec![(ABSORBANCES, 1), (MOMENTS, 2), (FURTHER_MOMENTS, resources.len() - 1)];
         let targets = (1..resources.len()).map(|index| (index, Some(Blend::Add))).collect();
         let draw = |name, entry_point, targets, bound| Step {
             name,
@@ -187,7 +191,7 @@ impl UnorderedCompositing for Moments {
         let steps = vec![
             draw("moments", "fs_moments", targets, Vec::new()),
             draw("blend", "fs_blend", vec![(0, Some(Blend::Add))], sums),
-            Step::last(vec![(1, 1), (4, 0)]),
+            Step::last(vec![(ABSORBANCES, 1), (BLENDED_SUMS, 0)]),
         ];
         Ok(Raster::Passes(Passes { resources, steps, constants }))
     }

@@ -13,8 +13,8 @@ use sheer_core::{
 };
 
 use crate::contract::{
-    Fragment, Memory, MethodInfo, NoRaster, Passes, PixelSite, Raster, Resource, Retrace, Step, StepKind,
-    TargetFormat, UnorderedCompositing, Visitor,
+    Binding, Fragment, Memory, MethodInfo, NoRaster, Passes, PixelSite, Raster, Resource, Retrace, Step,
+    StepKind, TargetFormat, UnorderedCompositing, Visitor,
 };
 
 /// The row of the method in lists and help, and what a GPU needs of it.
@@ -110,6 +110,8 @@ impl UnorderedCompositing for Peel {
         const FURTHEST: [f64; 4] = [u32::MAX as f64, u32::MAX as f64, 0.0, 0.0];
         const DEPTH: usize = 2;
         const PEELED: usize = 3;
+        const LAYER_KEYS: Binding = Binding::new("BIND_LAYER_KEYS", 1);
+        const PEELED_LAYERS: Binding = Binding::new("BIND_PEELED_LAYERS", 2);
         let layer = |label| Resource::Target { label, format: TargetFormat::Rg32Uint, clear: FURTHEST };
         let resources = vec![
             layer("even layer"),
@@ -124,12 +126,12 @@ impl UnorderedCompositing for Peel {
                 name: "peel",
                 entry_point: if number == 0 { "fs_first" } else { "fs_next" },
                 kind: StepKind::Draw { targets: vec![(this, None)], depth: Some(DEPTH) },
-                bound: if number == 0 { Vec::new() } else { vec![(1, last)] },
+                bound: if number == 0 { Vec::new() } else { vec![(LAYER_KEYS, last)] },
             });
-            let bound = vec![(1, this), (2, PEELED)];
+            let bound = vec![(LAYER_KEYS, this), (PEELED_LAYERS, PEELED)];
             steps.push(Step { name: "blend", entry_point: "cs_blend", kind: StepKind::Pixels, bound });
         }
-        steps.push(Step::last(vec![(2, PEELED)]));
+        steps.push(Step::last(vec![(PEELED_LAYERS, PEELED)]));
         Ok(Raster::Passes(Passes { resources, steps, constants: Vec::new() }))
     }
 

@@ -12,8 +12,8 @@ use glam::Vec3;
 use sheer_core::{bibliography, choice, parameter::Values};
 
 use crate::contract::{
-    Blend, Fragment, Memory, MethodInfo, NoRaster, Passes, PixelSite, Raster, Resource, ShaderConstant, Step,
-    StepKind, TargetFormat, UnorderedCompositing, Visitor,
+    Binding, Blend, Fragment, Memory, MethodInfo, NoRaster, Passes, PixelSite, Raster, Resource,
+    ShaderConstant, Step, StepKind, TargetFormat, UnorderedCompositing, Visitor,
 };
 
 /// The row of the method in lists and help, and what a GPU needs of it.
@@ -104,6 +104,8 @@ impl UnorderedCompositing for Weighted {
     }
 
     fn raster(&self) -> Result<Raster, NoRaster> {
+        const SUMS: Binding = Binding::new("BIND_WEIGHTED_SUMS", 1);
+        const TRANSMITTANCE: Binding = Binding::new("BIND_WEIGHTED_TRANSMITTANCE", 2);
         let [least, most] = WEIGHTS;
         let constants =
             vec![ShaderConstant::real("WEIGHT_LEAST", least), ShaderConstant::real("WEIGHT_MOST", most)];
@@ -119,7 +121,7 @@ impl UnorderedCompositing for Weighted {
             kind: StepKind::Draw { targets, depth: None },
             bound: Vec::new(),
         };
-        let steps = vec![blend, Step::last(vec![(1, 0), (2, 1)])];
+        let steps = vec![blend, Step::last(vec![(SUMS, 0), (TRANSMITTANCE, 1)])];
         Ok(Raster::Passes(Passes { resources, steps, constants }))
     }
 
