@@ -83,7 +83,7 @@ pub(super) fn exact(
     }
 }
 
-/// Passes or fails everything that has a `z`: all of them together err with probability [`LEVEL`].
+/// Passes or fails everything that has a `z`: all of them together err with a probability of 1e-3.
 pub fn judge(checks: &mut [Check]) {
     let count = checks.iter().filter(|check| check.z.is_some()).count();
     let level = sidak(LEVEL, count as u64);
