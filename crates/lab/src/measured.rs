@@ -66,7 +66,12 @@ impl Measured {
         let mean_of_some = |of: &dyn Fn(&Self) -> Option<f64>| {
             runs.iter().map(of).sum::<Option<f64>>().map(|sum| sum / runs.len() as f64)
         };
+        let first = runs.first().expect("a mean is of one run at least");
+        // Every field is named, so that a new one cannot be forgotten.
         Self {
+            method: first.method.clone(),
+            antialiasing: first.antialiasing,
+            frame_ms: first.frame_ms.clone(),
             ms_median: mean(&|run| run.ms_median),
             ms_min: mean(&|run| run.ms_min),
             ms_max: mean(&|run| run.ms_max),
@@ -82,7 +87,8 @@ impl Measured {
             hits_per_pixel: mean(&|run| run.hits_per_pixel),
             memory_bytes_per_pixel: mean(&|run| run.memory_bytes_per_pixel),
             merged_per_pixel: mean(&|run| run.merged_per_pixel),
-            ..runs.first().expect("a mean is of one run at least").clone()
+            picture: first.picture.clone(),
+            error_map: first.error_map.clone(),
         }
     }
 }

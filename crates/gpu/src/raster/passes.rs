@@ -135,8 +135,9 @@ impl Program {
         };
         let mut entries =
             vec![texture_entry(BIND_OPAQUE_SURFACES, stage, wgpu::TextureSampleType::Uint, false)];
-        entries
-            .extend(step.bound.iter().map(|&(binding, index)| resources[index].layout_entry(binding.number, stage)));
+        entries.extend(
+            step.bound.iter().map(|&(binding, index)| resources[index].layout_entry(binding.number, stage)),
+        );
         let layout = layout(&device, step.entry_point, &entries);
         let pipeline = match &step.kind {
             StepKind::Draw { targets, depth } => {

@@ -33,7 +33,8 @@ pub use self::{
     info::{MethodInfo, ShaderConstant, ShaderTable, ShaderValue},
     ordered::{OrderedCompositing, Traversal},
     raster::{
-        Binding, Blend, Multisample, NoRaster, Passes, Raster, Resource, SampleContent, Step, StepKind, TargetFormat,
+        Binding, Blend, Multisample, NoRaster, Passes, Raster, Resource, SampleContent, Step, StepKind,
+        TargetFormat,
     },
     selection::Selection,
     tables::{BLUE_NOISE_SIDE, Tables},
