@@ -27,6 +27,15 @@ pub(crate) fn crates() -> anyhow::Result<BTreeMap<String, PathBuf>> {
     Ok(crates)
 }
 
+/// All sources that git knows whose names fit one of the patterns, relative to the root.
+pub(crate) fn sources(patterns: &[&str]) -> anyhow::Result<Vec<String>> {
+    let listing = Command::new("git").arg("ls-files").args(patterns).current_dir(root()).output()?;
+    let listing = String::from_utf8(listing.stdout)?;
+    ensure!(!listing.is_empty(), "git lists no sources");
+    // A file that is deleted but not yet committed is listed too.
+    Ok(listing.lines().filter(|file| root().join(file).is_file()).map(str::to_owned).collect())
+}
+
 /// Runs a program in the root of the workspace and fails if it fails.
 pub(crate) fn call(program: &str, arguments: &[&str]) -> anyhow::Result<()> {
     call_with(program, arguments, &[])

@@ -3,7 +3,7 @@
 mod architecture;
 mod width;
 
-use std::{fs, process::Command};
+use std::fs;
 
 use anyhow::{Context as _, ensure};
 
@@ -33,9 +33,8 @@ pub(crate) fn run() -> anyhow::Result<()> {
         broken.push(format!("the graph of crates in ARCHITECTURE.md: {difference}"));
     }
     let width = width::set_width(&read("rustfmt.toml")?).context("rustfmt.toml sets no max_width")?;
-    for file in sources()? {
-        // A file that is deleted but not yet committed is listed too.
-        let Ok(text) = fs::read_to_string(workspace::root().join(&file)) else { continue };
+    for file in workspace::sources(&["*.rs", "*.wgsl"])? {
+        let text = read(&file)?;
         if let Some(line) = confession(&text) {
             broken.push(format!(
                 "{file}:{line}: a value that has to be kept equal by hand; derive one from the other"
@@ -51,15 +50,6 @@ pub(crate) fn run() -> anyhow::Result<()> {
 
 fn read(name: &str) -> anyhow::Result<String> {
     fs::read_to_string(workspace::root().join(name)).with_context(|| name.to_owned())
-}
-
-/// All sources that git knows.
-fn sources() -> anyhow::Result<Vec<String>> {
-    let listing =
-        Command::new("git").args(["ls-files", "*.rs", "*.wgsl"]).current_dir(workspace::root()).output()?;
-    let listing = String::from_utf8(listing.stdout)?;
-    ensure!(!listing.is_empty(), "git lists no sources");
-    Ok(listing.lines().map(str::to_owned).collect())
 }
 
 /// Number of the first line that confesses.
