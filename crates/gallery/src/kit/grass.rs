@@ -8,7 +8,7 @@ use sheer_image::Image;
 
 use crate::{
     kit::wind::Sway,
-    paint::{paint_colour, smoothstep},
+    paint::{Spot, paint_colour, smoothstep},
     rng::Rng,
     shape::{Shape, Vertex},
 };
@@ -59,7 +59,7 @@ pub(crate) fn atlas(seed: u32) -> Image<[u8; 4]> {
         (stalks, mean)
     });
     let texel = 2.0 / ATLAS_SIZE as f32;
-    paint_colour(ATLAS_SIZE, |uv| {
+    paint_colour(ATLAS_SIZE, |Spot { uv, .. }| {
         let quarter = (uv * 2.0).floor().min(Vec2::ONE);
         let (stalks, mean) = &quarters[(quarter.y * 2.0 + quarter.x) as usize];
         let p = uv * 2.0 - quarter;

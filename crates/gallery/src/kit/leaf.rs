@@ -7,7 +7,7 @@ use sheer_core::colour::linear_from_hex;
 use sheer_image::Image;
 
 use crate::{
-    paint::{paint_colour, smoothstep},
+    paint::{Spot, paint_colour, smoothstep},
     rng::Rng,
 };
 
@@ -53,14 +53,47 @@ pub(crate) fn leaf_atlas(seed: u32) -> Image<[u8; 4]> {
     let clusters = [Cluster::Green, Cluster::Turning, Cluster::Blossom, Cluster::Hedge].map(|cluster| {
         let leaves = sprig(&mut rng, cluster);
         let mean = leaves.iter().map(|leaf| leaf.colour).sum::<Vec3>() / leaves.len() as f32;
-        (leaves, mean)
+        (Blocks::new(leaves), mean)
     });
-    paint_colour(512, |uv| {
+    paint_colour(512, |Spot { uv, .. }| {
         let quarter = (uv * 2.0).floor().min(Vec2::ONE);
         let (leaves, mean) = &clusters[(quarter.y * 2.0 + quarter.x) as usize];
         let p = uv * 2.0 - quarter;
-        leaves.iter().rev().find_map(|leaf| leaf.at(p)).map_or((*mean, 0.0), |colour| (colour, 1.0))
+        leaves.near(p).find_map(|leaf| leaf.at(p)).map_or((*mean, 0.0), |colour| (colour, 1.0))
     })
+}
+
+/// The leaves of a cluster by where they may lie: nearly all are somewhere else than any point.
+struct Blocks {
+    leaves: Vec<Leaf>,
+    /// Indices of the leaves that may reach into each block of the unit square, the uppermost first; row by
+    /// row.
+    reaching: Vec<Vec<usize>>,
+}
+
+impl Blocks {
+    /// Blocks along an edge.
+    const COUNT: usize = 16;
+
+    fn new(leaves: Vec<Leaf>) -> Self {
+        let reaching = (0..Self::COUNT * Self::COUNT).map(|block| {
+            let low = Vec2::new((block % Self::COUNT) as f32, (block / Self::COUNT) as f32);
+            let [low, high] = [low, low + 1.0].map(|corner| corner / Self::COUNT as f32);
+            let reaches = |leaf: &Leaf| {
+                let [from, to] = leaf.bounds();
+                from.cmple(high).all() && to.cmpge(low).all()
+            };
+            (0..leaves.len()).rev().filter(|&index| reaches(&leaves[index])).collect()
+        });
+        let reaching = reaching.collect();
+        Self { leaves, reaching }
+    }
+
+    /// The leaves that may cover a point of the unit square, the uppermost first.
+    fn near(&self, p: Vec2) -> impl Iterator<Item = &Leaf> {
+        let [column, row] = (p * Self::COUNT as f32).to_array().map(|at| at as usize);
+        self.reaching[row * Self::COUNT + column].iter().map(|&index| &self.leaves[index])
+    }
 }
 
 fn sprig(rng: &mut Rng, cluster: Cluster) -> Vec<Leaf> {
@@ -105,12 +138,19 @@ fn sprig(rng: &mut Rng, cluster: Cluster) -> Vec<Leaf> {
 }
 
 impl Leaf {
+    /// Corners of a square that it lies in, with a little more around it than rounding may take.
+    fn bounds(&self) -> [Vec2; 2] {
+        let (along, across) = (self.along * self.length, self.along.perp() * (0.5 * self.width));
+        let reach = 0.5 * along.abs() + across.abs() + 1e-4;
+        let middle = self.base + 0.5 * along;
+        [middle - reach, middle + reach]
+    }
+
     /// Its colour at a point of the quarter, if it covers the point.
     fn at(&self, p: Vec2) -> Option<Vec3> {
         let offset = p - self.base;
         let (s, t) =
             (offset.dot(self.along) / self.length, offset.dot(self.along.perp()) / (0.5 * self.width));
-        // Nearly all leaves are somewhere else.
         if !(0.0..1.0).contains(&s) || t.abs() > 1.0 {
             return None;
         }

@@ -75,10 +75,11 @@ fn at(x: f32, z: f32, turn_rad: f32) -> Affine3A {
 
 fn put_ground(builder: &mut SceneBuilder, palette: &Palette, seed: u32) {
     let noise = Noise { seed: seed.wrapping_add(400) };
+    let stains = noise.fractal(IVec2::splat(9), 4);
     // Broad stains, since a texture of two and a half metres repeats many times; the foot of the kerbs stays
     // dark and damp.
     let shade = |p: Vec3| {
-        let stain = noise.fractal(Vec2::new(p.x, p.z) / 64.0 + 0.5, IVec2::splat(9), 4);
+        let stain = stains.at(Vec2::new(p.x, p.z) / 64.0 + 0.5);
         let kerb =
             (HALF_WIDTH - PAVEMENT - p.x.abs()).min(p.z - NORTH - PAVEMENT).min(SOUTH - PAVEMENT - p.z);
         (1.0 + 0.28 * stain) * (0.72 + 0.28 * smoothstep(0.0, 1.6, kerb.abs()))
@@ -143,10 +144,11 @@ fn put_ground(builder: &mut SceneBuilder, palette: &Palette, seed: u32) {
     let mut land = Model::default();
     let rings: [(f32, f32); 5] = [(20.0, -0.06), (60.0, -0.06), (95.0, 3.0), (140.0, 14.0), (200.0, 24.0)];
     let segment_count = 96;
+    let relief = noise.fractal(IVec2::new(7, 4), 3);
     let point = |ring: usize, segment: i32| {
         let (radius, height) = rings[ring];
         let turn = segment as f32 / segment_count as f32;
-        let relief = 1.0 + 0.55 * noise.fractal(Vec2::new(turn, 0.13 * ring as f32), IVec2::new(7, 4), 3);
+        let relief = 1.0 + 0.55 * relief.at(Vec2::new(turn, 0.13 * ring as f32));
         let direction = Vec2::from_angle(turn * 2.0 * PI);
         Vec3::new(
             direction.x * radius,

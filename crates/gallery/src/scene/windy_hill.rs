@@ -24,7 +24,7 @@ use crate::{
         smoke::{ATLAS, puff_atlas},
         wind::{self, Sway},
     },
-    paint::{Noise, smoothstep},
+    paint::{Fractal, Noise, smoothstep},
     rng::Rng,
     seed::SEED,
     shape::{Model, Shape, Vertex},
@@ -123,27 +123,38 @@ pub(crate) fn build(values: &Values) -> Result<Scene, SceneError> {
     builder.finish()
 }
 
-/// Height of the ground: a rounded top, a valley, and ridges beyond it.
-fn ground(noise: Noise, x: f32, z: f32) -> f32 {
-    let radius = Vec2::new(x, z).length();
-    let top = -0.016 * radius * radius / (1.0 + 0.0022 * radius * radius);
-    let bumps =
-        0.05 * smoothstep(0.6, 2.5, radius) * noise.fractal(Vec2::new(x, z) / 24.0 + 0.5, IVec2::splat(6), 3);
-    let far = smoothstep(25.0, 60.0, radius);
-    let turn = z.atan2(x) / TAU + 0.5;
-    let relief = noise.fractal(Vec2::new(turn, 0.5 + radius / 400.0), IVec2::new(9, 5), 4);
-    top + bumps + far * (3.0 * relief + 12.0 * (0.55 + relief) * smoothstep(60.0, 120.0, radius))
+/// The ground: a rounded top, a valley, and ridges beyond it.
+struct Ground {
+    bumps: Fractal,
+    relief: Fractal,
+}
+
+impl Ground {
+    fn new(noise: Noise) -> Self {
+        Self { bumps: noise.fractal(IVec2::splat(6), 3), relief: noise.fractal(IVec2::new(9, 5), 4) }
+    }
+
+    fn height(&self, x: f32, z: f32) -> f32 {
+        let radius = Vec2::new(x, z).length();
+        let top = -0.016 * radius * radius / (1.0 + 0.0022 * radius * radius);
+        let bumps = 0.05 * smoothstep(0.6, 2.5, radius) * self.bumps.at(Vec2::new(x, z) / 24.0 + 0.5);
+        let far = smoothstep(25.0, 60.0, radius);
+        let turn = z.atan2(x) / TAU + 0.5;
+        let relief = self.relief.at(Vec2::new(turn, 0.5 + radius / 400.0));
+        top + bumps + far * (3.0 * relief + 12.0 * (0.55 + relief) * smoothstep(60.0, 120.0, radius))
+    }
 }
 
 fn put_land(builder: &mut SceneBuilder, palette: &Palette, seed: u32) {
     let noise = Noise { seed: seed.wrapping_add(900) };
+    let ground = Ground::new(noise);
     let mut land = Model::default();
     let (rings, sides) = (64, 144);
     // Ever wider rings, from under her out to the ridges.
     let radius = |ring: u32| 140.0 * (ring as f32 / rings as f32).powf(2.6);
     let point = |ring: u32, side: u32| {
         let direction = Vec2::from_angle(TAU * side as f32 / sides as f32) * radius(ring);
-        Vec3::new(direction.x, ground(noise, direction.x, direction.y), direction.y)
+        Vec3::new(direction.x, ground.height(direction.x, direction.y), direction.y)
     };
     let shape = land.paint(palette.meadow, Vec3::ONE);
     for ring in 0..=rings {
@@ -151,7 +162,7 @@ fn put_land(builder: &mut SceneBuilder, palette: &Palette, seed: u32) {
             let position = point(ring, side);
             // Slopes over a span as wide as the mesh is coarse there.
             let span = 0.05 + 0.02 * radius(ring);
-            let height = |dx: f32, dz: f32| ground(noise, position.x + dx * span, position.z + dz * span);
+            let height = |dx: f32, dz: f32| ground.height(position.x + dx * span, position.z + dz * span);
             let slope = Vec2::new(height(1.0, 0.0) - height(-1.0, 0.0), height(0.0, 1.0) - height(0.0, -1.0));
             let normal = Vec3::new(-slope.x, 2.0 * span, -slope.y).normalize();
             shape.vertex(Vertex { position, normal, uv: Vec2::new(position.x, position.z) });
@@ -169,8 +180,9 @@ fn put_land(builder: &mut SceneBuilder, palette: &Palette, seed: u32) {
         }
     }
     // Sunlit turf, drier patches, and air that turns what is far blue.
+    let patches = noise.fractal(IVec2::splat(14), 4);
     land.tint(palette.meadow, |p, _| {
-        let patch = noise.fractal(Vec2::new(p.x, p.z) / 280.0 + 0.5, IVec2::splat(14), 4);
+        let patch = patches.at(Vec2::new(p.x, p.z) / 280.0 + 0.5);
         let haze = smoothstep(25.0, 130.0, p.with_y(0.0).length());
         let turf = Vec3::new(1.05, 1.25, 0.75) * (1.0 + 0.5 * patch);
         turf.lerp(Vec3::new(0.95, 1.35, 2.6), 0.8 * haze)
@@ -230,7 +242,8 @@ fn put_mill(builder: &mut SceneBuilder, palette: &Palette) {
 fn put_props(builder: &mut SceneBuilder, palette: &Palette, seed: u32) {
     let mut rng = Rng::new(seed, "windy hill");
     let noise = Noise { seed: seed.wrapping_add(900) };
-    let on_ground = |x: f32, z: f32| Vec3::new(x, ground(noise, x, z), z);
+    let ground = Ground::new(noise);
+    let on_ground = |x: f32, z: f32| Vec3::new(x, ground.height(x, z), z);
     let stone =
         builder.material(Material { name: "stone".to_owned(), roughness: 0.9, ..Material::default() });
     let mut stones = Model::default();
@@ -239,14 +252,16 @@ fn put_props(builder: &mut SceneBuilder, palette: &Palette, seed: u32) {
         Form::Ellipsoid { centre: on_ground(x, z) + Vec3::Y * (0.2 * size), radii }
             .mesh(stones.paint(stone, Vec3::ONE), 0.0);
     }
+    let lumps = noise.fractal(IVec2::splat(9), 4);
     stones.warp(stone, |p, n| {
         let at = Vec2::new(p.x + 0.7 * p.y, p.z - 0.6 * p.y);
-        let lump = noise.fractal(at / 4.0 + 0.5, IVec2::splat(9), 4);
+        let lump = lumps.at(at / 4.0 + 0.5);
         p + n * (0.10 * lump)
     });
+    let lichens = noise.fractal(IVec2::splat(16), 4);
     stones.tint(stone, |p, n| {
         let at = Vec2::new(p.x + 0.7 * p.y, p.z - 0.6 * p.y);
-        let lichen = smoothstep(0.05, 0.35, noise.fractal(at / 2.0 + 0.25, IVec2::splat(16), 4));
+        let lichen = smoothstep(0.05, 0.35, lichens.at(at / 2.0 + 0.25));
         let grey = Vec3::new(0.42, 0.35, 0.27).lerp(Vec3::new(0.52, 0.48, 0.24), 0.7 * lichen);
         grey * (0.6 + 0.4 * smoothstep(-0.6, 0.6, n.y))
     });
@@ -462,6 +477,8 @@ fn patch(shape: &mut Shape, corners: [Vec3; 3], threads: Vec3) {
 fn put_grass(builder: &mut SceneBuilder, swaying: u32, values: &Values) {
     let (count, seed) = (values.count("cards"), values.count(SEED.key));
     let noise = Noise { seed: seed.wrapping_add(900) };
+    let ground = Ground::new(noise);
+    let patches = noise.fractal(IVec2::splat(14), 3);
     let atlas = builder.texture("grass", move || grass::atlas(seed));
     let material = builder.material(Material {
         name: "grass".to_owned(),
@@ -482,8 +499,8 @@ fn put_grass(builder: &mut SceneBuilder, swaying: u32, values: &Values) {
                 break place;
             }
         };
-        let foot = Vec3::new(place.x, ground(noise, place.x, place.y) - 0.02, place.y);
-        let patch = noise.fractal(place / 16.0 + 0.5, IVec2::splat(14), 3);
+        let foot = Vec3::new(place.x, ground.height(place.x, place.y) - 0.02, place.y);
+        let patch = patches.at(place / 16.0 + 0.5);
         // Trodden down near her, high further out.
         let height = (0.26 + 0.16 * patch) * (0.65 + 0.5 * smoothstep(0.4, 1.3, place.length()));
         let card = grass::Card::at(foot, height.max(0.12), &mut rng);

@@ -84,7 +84,7 @@ pub(super) fn raise(builder: &mut SceneBuilder, palette: &Palette, seed: u32) {
 }
 
 fn put_floor(builder: &mut SceneBuilder, palette: &Palette, seed: u32) {
-    let noise = Noise { seed: seed.wrapping_add(600) };
+    let stains = Noise { seed: seed.wrapping_add(600) }.fractal(IVec2::splat(9), 4);
     let mut floor = Model::default();
     let cell = 0.5;
     let cells = (WALL_RADIUS / cell) as i32 + 2;
@@ -131,7 +131,7 @@ fn put_floor(builder: &mut SceneBuilder, palette: &Palette, seed: u32) {
     }
     // Broad stains, soot around the middle, and shade at the foot of the wall.
     floor.shade(|p, _| {
-        let stain = noise.fractal(Vec2::new(p.x, p.z) / 40.0 + 0.5, IVec2::splat(9), 4);
+        let stain = stains.at(Vec2::new(p.x, p.z) / 40.0 + 0.5);
         let radius = Vec2::new(p.x, p.z).length();
         (0.84 + 0.30 * stain) * (0.6 + 0.4 * smoothstep(0.0, 2.4, WALL_RADIUS - radius))
     });
@@ -393,13 +393,10 @@ fn put_hills(builder: &mut SceneBuilder, palette: &Palette, seed: u32) {
     .into_iter()
     .enumerate()
     {
+        let relief = noise.fractal(IVec2::new(9 + 4 * ridge as i32, 5), 5);
         let top = |index: u32| {
             let turn = (index % count) as f32 / count as f32;
-            let relief = noise.fractal(
-                Vec2::new(turn, 0.29 * ridge as f32 + 0.1),
-                IVec2::new(9 + 4 * ridge as i32, 5),
-                5,
-            );
+            let relief = relief.at(Vec2::new(turn, 0.29 * ridge as f32 + 0.1));
             let open = smoothstep(0.1 * VALLEY_TURN, VALLEY_TURN, (turn - SUN_TURN).abs());
             around(turn, radius, height * (0.75 + 0.8 * relief).max(0.15) * (0.22 + 0.78 * open))
         };
