@@ -51,8 +51,8 @@ impl LightArguments {
 pub(crate) struct Opened<S> {
     /// Ready to be rendered.
     pub(crate) stage: S,
-    /// Identifies the scene's contents.
-    pub(crate) hash: String,
+    /// What it was made of: reports identify it by its contents, which take time to hash.
+    scene: Arc<Scene>,
 }
 
 impl SceneArguments {
@@ -85,12 +85,11 @@ impl SceneArguments {
         console: Console,
     ) -> anyhow::Result<Opened<B::Stage>> {
         let scene = self.load(console)?;
-        let hash = format!("{:016x}", scene.content_hash());
         let camera = self.camera.clone().unwrap_or_default();
         let stage = backend
-            .stage(scene, &camera, machine.threads)
+            .stage(Arc::clone(&scene), &camera, machine.threads)
             .with_context(|| format!("cannot set up {}", self.text))?;
-        Ok(Opened { stage, hash })
+        Ok(Opened { stage, scene })
     }
 }
 
@@ -128,7 +127,8 @@ pub(crate) fn describe<B: Backend>(
     frames: u32,
 ) -> Run {
     let threads = backend.threads(&opened.stage);
-    describe_scene(backend, scene, opened.hash.clone(), threads, settings, frames)
+    let hash = format!("{:016x}", opened.scene.content_hash());
+    describe_scene(backend, scene, hash, threads, settings, frames)
 }
 
 fn describe_scene(
