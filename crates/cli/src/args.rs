@@ -7,6 +7,7 @@ use glam::Vec3;
 use sheer_core::{colour::linear_from_srgb, coverage::Correction, parameter::split_name};
 use sheer_gpu::{AdapterChoice, GpuPathChoice};
 use sheer_image::unit_from_u8;
+use sheer_lab::Reference;
 use sheer_render::{Antialiasing, Backend, Background, Method, Shadow, backend::Cpu};
 use sheer_scene::CameraChoice;
 
@@ -101,6 +102,11 @@ pub(crate) struct CompareArguments {
     /// none, accumulate or taa; give as many as you like.
     #[arg(short = 'a', long = "aa", value_name = "AA", default_value = "taa")]
     pub(crate) antialiasings: Vec<Antialiasing>,
+    /// What methods are held against: same (baseline under the same anti-aliasing) or truth[:samples=N] (the
+    /// exact answer with N samples a pixel at the moment of each frame, 32 if not given, for the last quarter
+    /// of the frames); give both for both.
+    #[arg(long = "reference", value_name = "REFERENCE", default_value = "same", value_delimiter = ',')]
+    pub(crate) references: Vec<Reference>,
     /// Judge the clips with ColorVideoVDP as well, in just-objectionable differences; about as slow as
     /// rendering.
     #[arg(long)]

@@ -1,11 +1,14 @@
 //! Methods that play the same clip and are held against the exact answer.
 
-use sheer_image::{Image, Planes, ToneCurve, display, display_over_black, u8_from_unit};
-use sheer_metrics::{Flicker, TemporalPsnr, bias, error_map, flip, psnr_db, rms, ssim, video_vdp_jod};
+use sheer_image::{Image, ToneCurve, display, display_over_black, u8_from_unit};
+use sheer_metrics::{
+    Flicker, Ghosting, TemporalPsnr, bias, error_map, flip, psnr_db, rms, ssim, video_vdp_jod,
+};
 use sheer_render::{Antialiasing, Backend, Clock, Method, Settings};
 
 use crate::{
-    LabError, Measured, Progress, Result, Tally, Timeline,
+    LabError, Measured, Progress, Result, Tally, Timeline, Truth,
+    measured::AgainstTruth,
     play::{Event, pipelines, play},
 };
 
@@ -42,7 +45,11 @@ pub struct Clip {
 #[derive(Default)]
 struct Record {
     tally: Tally,
+    /// Against the reference under the same anti-aliasing.
     quality: Quality,
+    /// Against the truth, where it is asked for.
+    against_truth: Quality,
+    ghosting: Ghosting<3>,
     /// The last half of the frames as a display shows them, where they are kept.
     shown: Vec<Image<[u8; 3]>>,
 }
@@ -54,9 +61,10 @@ struct Shown {
 }
 
 impl Shown {
-    fn new(planes: &Planes) -> Self {
-        let linear = planes.colour.par_map(|&[r, g, b, _]| [r, g, b]);
-        Self { linear, displayed: display_over_black(&planes.colour, ToneCurve::default()) }
+    /// `colour`: linear, premultiplied.
+    fn new(colour: &Image<[f32; 4]>) -> Self {
+        let linear = colour.par_map(|&[r, g, b, _]| [r, g, b]);
+        Self { linear, displayed: display_over_black(colour, ToneCurve::default()) }
     }
 
     fn in_bytes(&self) -> Image<[u8; 3]> {
@@ -93,33 +101,60 @@ impl Quality {
     fn mean(&self, sum: f64) -> f64 {
         sum / f64::from(self.frames)
     }
+
+    /// None where every frame equals the reference.
+    fn psnr_db(&self) -> Option<f64> {
+        Some(self.mean(self.psnr_db)).filter(|psnr_db| psnr_db.is_finite())
+    }
+
+    fn tpsnr_db(&self) -> Option<f64> {
+        self.tpsnr.value_db().filter(|tpsnr_db| tpsnr_db.is_finite())
+    }
+}
+
+/// What the last frame of a clip and, where frames are kept, the clip as a whole are held against.
+struct Judge<'a> {
+    /// The last frame.
+    last: &'a Shown,
+    /// The frames that count, as a display shows them.
+    clip: &'a [Image<[u8; 3]>],
+}
+
+impl Judge<'_> {
+    fn error_map(&self, last: &Shown) -> Result<Image<[u8; 4]>> {
+        Ok(error_map(&self.last.displayed, &last.displayed, ERROR_FULL_SCALE)?)
+    }
 }
 
 impl Clip {
-    /// Renders all methods, the reference among them, frame by frame, and holds each against the reference;
-    /// one for each method, in order.
+    /// Renders all methods, the reference among them, frame by frame, and holds each against the reference,
+    /// and against the truth if there is one; one for each method, in order.
     ///
     /// # Errors
-    /// What the backend says; [`LabError::Misuse`] if the reference is not among the methods.
+    /// What the backend says; [`LabError::Misuse`] if the reference is not among the methods, or the truth is
+    /// one of other settings.
     pub fn play<B: Backend>(
         &self,
         backend: &B,
         stage: &mut B::Stage,
         methods: &[Method],
+        truth: Option<&mut Truth>,
         progress: &dyn Progress,
     ) -> Result<Vec<Measured>> {
-        let measured = self.play_seeds(backend, stage, methods, &[self.settings.seed], progress)?;
+        let seeds = [self.settings.seed];
+        let measured = self.play_seeds(backend, stage, methods, &seeds, truth, progress)?;
         Ok(measured.into_iter().flatten().collect())
     }
 
-    /// The same with several seeds, which share the reference: one for each seed of each method, and one for
-    /// the reference.
+    /// The same with several seeds, which share the reference and the truth: one for each seed of each
+    /// method, and one for the reference.
     pub(crate) fn play_seeds<B: Backend>(
         &self,
         backend: &B,
         stage: &mut B::Stage,
         methods: &[Method],
         seeds: &[u32],
+        mut truth: Option<&mut Truth>,
         progress: &dyn Progress,
     ) -> Result<Vec<Vec<Measured>>> {
         let is_reference = |method: &Method| method.to_string() == REFERENCE;
@@ -144,12 +179,19 @@ impl Clip {
         }
         let frame_of = |pipeline: &B::Pipeline| {
             let planes = backend.planes(pipeline).map_err(|error| LabError::of_backend(backend, error))?;
-            Ok::<_, LabError>(Shown::new(&planes))
+            Ok::<_, LabError>(Shown::new(&planes.colour))
         };
+
+        // The frames of the truth come first: the stage has to be held at each of their moments.
+        if let Some(truth) = &mut truth {
+            truth.render(backend, stage, self, progress)?;
+        }
+        let truth = truth.as_deref();
 
         // Frame by frame, and each held against the reference in the half of the frames that counts.
         let mut records: Vec<Record> = contestants.iter().map(|_| Record::default()).collect();
         let timeline = Timeline::of(&self.settings, self.antialiasing, self.frame_count);
+        let mut shown_truths = Vec::new();
         play(backend, stage, &mut pipelines, timeline, |event| {
             match event {
                 Event::Rendered { at, cost, .. } => {
@@ -159,12 +201,21 @@ impl Clip {
                 // The history has settled in the last half.
                 Event::Frame { index, pipelines } if index >= self.frame_count / 2 => {
                     let reference = frame_of(&pipelines[reference_at])?;
+                    let truth = truth.and_then(|truth| truth.of_frame(self, index));
+                    let truth = truth.map(|truth| (Shown::new(&truth.colour), &truth.uncovered));
                     for (record, pipeline) in records.iter_mut().zip(pipelines) {
                         let shown = frame_of(pipeline)?;
                         record.quality.add(&reference, &shown)?;
+                        if let Some((truth, uncovered)) = &truth {
+                            record.against_truth.add(truth, &shown)?;
+                            record.ghosting.add(&truth.linear, &shown.linear, uncovered)?;
+                        }
                         if self.keeps_frames {
                             record.shown.push(shown.in_bytes());
                         }
+                    }
+                    if self.keeps_frames {
+                        shown_truths.extend(truth.map(|(truth, _)| truth.in_bytes()));
                     }
                 }
                 Event::Frame { .. } => {}
@@ -174,17 +225,23 @@ impl Clip {
 
         // What remains to be judged once: the last picture, and the clip as a whole.
         let reference = frame_of(&pipelines[reference_at])?;
-        let reference_clip = &records[reference_at].shown;
+        let reference = Judge { last: &reference, clip: &records[reference_at].shown };
+        let last_truth = truth.and_then(|truth| truth.of_frame(self, self.frame_count - 1));
+        let last_truth = last_truth.map(|truth| Shown::new(&truth.colour));
+        let truth = last_truth.as_ref().map(|last| Judge { last, clip: &shown_truths });
         let mut measured: Vec<Vec<Measured>> = Vec::with_capacity(methods.len());
         for (at, ((&(method, seed), pipeline), record)) in
             contestants.iter().zip(&pipelines).zip(&records).enumerate()
         {
-            let vdp_jod = self
-                .keeps_frames
-                .then(|| video_vdp_jod(reference_clip, &record.shown, self.frames_per_sec()));
-            let reference = (at != reference_at).then_some(&reference);
-            let of_seed =
-                self.measured(backend, (method, pipeline), record, reference, vdp_jod.transpose()?)?;
+            let mut of_seed = self.measured(backend, (method, pipeline), record)?;
+            let last = frame_of(pipeline)?;
+            of_seed.vdp_jod = self.vdp_jod(&reference, record)?;
+            if at != reference_at {
+                of_seed.error_map = Some(reference.error_map(&last)?);
+            }
+            if let Some(truth) = &truth {
+                of_seed.against_truth = Some(self.against_truth(truth, record, &last)?);
+            }
             if seed == seeds[0] {
                 measured.push(vec![of_seed]);
             } else {
@@ -203,22 +260,40 @@ impl Clip {
         1.0 / (moment.time_secs - moment.previous_secs)
     }
 
+    /// Of the last of the frames that were kept, as many as there are to hold them against.
+    fn vdp_jod(&self, judge: &Judge<'_>, record: &Record) -> Result<Option<f64>> {
+        let judged = || &record.shown[record.shown.len() - judge.clip.len()..];
+        let jod = self.keeps_frames.then(|| video_vdp_jod(judge.clip, judged(), self.frames_per_sec()));
+        Ok(jod.transpose()?)
+    }
+
+    fn against_truth(&self, truth: &Judge<'_>, record: &Record, last: &Shown) -> Result<AgainstTruth> {
+        let quality = &record.against_truth;
+        Ok(AgainstTruth {
+            ssim: quality.mean(quality.ssim),
+            psnr_db: quality.psnr_db(),
+            tpsnr_db: quality.tpsnr_db(),
+            vdp_jod: self.vdp_jod(truth, record)?,
+            flip: quality.mean(quality.flip),
+            flicker: quality.flicker.value(),
+            ghosting: record.ghosting.value(),
+            bias: quality.mean(quality.bias),
+            rms: quality.mean(quality.rms),
+            error_map: truth.error_map(last)?,
+        })
+    }
+
+    /// Everything that needs no more than the method's own record.
     fn measured<B: Backend>(
         &self,
         backend: &B,
         (method, pipeline): (&Method, &B::Pipeline),
         Record { tally, quality, .. }: &Record,
-        reference: Option<&Shown>,
-        vdp_jod: Option<f64>,
     ) -> Result<Measured> {
         let planes = backend.planes(pipeline).map_err(|error| LabError::of_backend(backend, error))?;
         let [width, height] = self.settings.size;
         let pixels = f64::from(width) * f64::from(height);
         let hits_per_pixel = tally.hits() / pixels;
-        let psnr_db = quality.mean(quality.psnr_db);
-        let error_map = |reference: &Shown| {
-            error_map(&reference.displayed, &Shown::new(&planes).displayed, ERROR_FULL_SCALE)
-        };
         Ok(Measured {
             method: method.clone(),
             antialiasing: self.antialiasing,
@@ -227,19 +302,20 @@ impl Clip {
             ms_min: tally.ms(0.0),
             ms_max: tally.ms(1.0),
             ssim: quality.mean(quality.ssim),
-            psnr_db: psnr_db.is_finite().then_some(psnr_db),
-            tpsnr_db: quality.tpsnr.value_db().filter(|tpsnr_db| tpsnr_db.is_finite()),
-            vdp_jod,
+            psnr_db: quality.psnr_db(),
+            tpsnr_db: quality.tpsnr_db(),
+            vdp_jod: None,
             flip: quality.mean(quality.flip),
             flicker: quality.flicker.value(),
             bias: quality.mean(quality.bias),
             rms: quality.mean(quality.rms),
+            against_truth: None,
             shaded_per_pixel: tally.shaded() / pixels,
             hits_per_pixel,
             memory_bytes_per_pixel: backend.bytes_per_pixel(pipeline, hits_per_pixel),
             merged_per_pixel: tally.merged() / pixels,
             picture: display(&planes.colour, ToneCurve::default()),
-            error_map: reference.map(error_map).transpose()?,
+            error_map: None,
         })
     }
 }

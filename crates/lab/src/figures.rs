@@ -51,9 +51,9 @@ struct Cell {
 
 impl Figures {
     /// The columns that have figures, for all rows.
-    pub fn new<'r, R: 'r>(
+    pub fn new<'c, 'r, R: 'c + 'r>(
         names: &[Name<R>],
-        columns: impl IntoIterator<Item = &'r Column<R>>,
+        columns: impl IntoIterator<Item = &'c Column<R>>,
         rows: impl IntoIterator<Item = &'r R>,
     ) -> Self {
         let rows: Vec<&R> = rows.into_iter().collect();

@@ -18,7 +18,7 @@
 //!     keeps_frames: false,
 //! };
 //! let methods = with_reference(vec!["list".parse()?])?;
-//! let measured = clip.play(&Cpu, &mut stage, &methods, &Silent)?;
+//! let measured = clip.play(&Cpu, &mut stage, &methods, None, &Silent)?;
 //! assert!(measured[1].rms < 1e-3);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -35,7 +35,9 @@ mod measured;
 mod play;
 pub mod plot;
 mod progress;
+mod reference;
 mod tally;
+mod truth;
 pub mod verify;
 
 pub use crate::{
@@ -44,8 +46,10 @@ pub use crate::{
     error::{LabError, Result},
     figures::{Column, Datum, Figures, Name, number},
     file_name::file_name_from,
-    measured::{Measured, figures, selected_figures},
+    measured::{AgainstTruth, Measured, figures, selected_figures},
     play::{Event, Timeline, picture, play},
     progress::{Progress, Silent},
+    reference::Reference,
     tally::Tally,
+    truth::Truth,
 };

@@ -3,10 +3,64 @@
 use sheer_image::Image;
 use sheer_render::{Antialiasing, Method};
 
-use crate::figures::{Column, Figures, Name};
+use crate::{
+    Reference,
+    figures::{Column, Figures, Name},
+};
 
-/// What came of a method in a clip. Qualities are against the reference, means over the last half of the
-/// frames, when the history has settled.
+/// How a method does against the truth ([`Truth`](crate::Truth)): means over the last quarter of the frames.
+#[derive(Clone, Debug)]
+pub struct AgainstTruth {
+    /// Structural similarity of the displayed picture; 1: equal.
+    pub ssim: f64,
+    /// Peak signal-to-noise ratio of the displayed picture, decibels; none where it equals the truth.
+    pub psnr_db: Option<f64>,
+    /// Of the differences of successive displayed frames; none where they equal those of the truth, or for
+    /// one frame.
+    pub tpsnr_db: Option<f64>,
+    /// ColorVideoVDP of the displayed clip in just-objectionable differences, 10: no visible one; where
+    /// frames were kept.
+    pub vdp_jod: Option<f64>,
+    /// FLIP of the displayed picture; 0: equal.
+    pub flip: f64,
+    /// Standard deviation of the displayed error over time.
+    pub flicker: f64,
+    /// Mean error in linear light, with its sign, in the pixels that were uncovered during the last 8 frames;
+    /// none where there are none.
+    pub ghosting: Option<f64>,
+    /// Mean error in linear light, with its sign.
+    pub bias: f64,
+    /// Root mean square error in linear light.
+    pub rms: f64,
+    /// Where the error of the last frame is, as in [`Measured::error_map`].
+    pub error_map: Image<[u8; 4]>,
+}
+
+impl AgainstTruth {
+    /// The means of runs that differ in their seeds alone; the error map is that of the first.
+    fn mean(runs: &[&Self]) -> Self {
+        let mean =
+            |of: &dyn Fn(&Self) -> f64| runs.iter().map(|run| of(run)).sum::<f64>() / runs.len() as f64;
+        let mean_of_some = |of: &dyn Fn(&Self) -> Option<f64>| {
+            runs.iter().map(|run| of(run)).sum::<Option<f64>>().map(|sum| sum / runs.len() as f64)
+        };
+        Self {
+            ssim: mean(&|run| run.ssim),
+            psnr_db: mean_of_some(&|run| run.psnr_db),
+            tpsnr_db: mean_of_some(&|run| run.tpsnr_db),
+            vdp_jod: mean_of_some(&|run| run.vdp_jod),
+            flip: mean(&|run| run.flip),
+            flicker: mean(&|run| run.flicker),
+            ghosting: mean_of_some(&|run| run.ghosting),
+            bias: mean(&|run| run.bias),
+            rms: mean(&|run| run.rms),
+            error_map: runs[0].error_map.clone(),
+        }
+    }
+}
+
+/// What came of a method in a clip. Qualities are against the reference under the same anti-aliasing, means
+/// over the last half of the frames, when the history has settled.
 #[derive(Clone, Debug)]
 pub struct Measured {
     /// With all its parameters.
@@ -39,6 +93,8 @@ pub struct Measured {
     pub bias: f64,
     /// Root mean square error in linear light.
     pub rms: f64,
+    /// Against the truth, where it is asked for.
+    pub against_truth: Option<AgainstTruth>,
     /// Fragments shaded for a pixel of a frame.
     pub shaded_per_pixel: f64,
     /// Hits tested or composited for a pixel of a frame.
@@ -66,6 +122,8 @@ impl Measured {
         let mean_of_some = |of: &dyn Fn(&Self) -> Option<f64>| {
             runs.iter().map(of).sum::<Option<f64>>().map(|sum| sum / runs.len() as f64)
         };
+        let against_truth: Option<Vec<&AgainstTruth>> =
+            runs.iter().map(|run| run.against_truth.as_ref()).collect();
         let first = runs.first().expect("a mean is of one run at least");
         // Every field is named, so that a new one cannot be forgotten.
         Self {
@@ -83,6 +141,7 @@ impl Measured {
             flicker: mean(&|run| run.flicker),
             bias: mean(&|run| run.bias),
             rms: mean(&|run| run.rms),
+            against_truth: against_truth.map(|runs| AgainstTruth::mean(&runs)),
             shaded_per_pixel: mean(&|run| run.shaded_per_pixel),
             hits_per_pixel: mean(&|run| run.hits_per_pixel),
             memory_bytes_per_pixel: mean(&|run| run.memory_bytes_per_pixel),
@@ -93,8 +152,8 @@ impl Measured {
     }
 }
 
-/// All figures, in the order in which they are shown.
-const COLUMNS: &[Column<Measured>] = &[
+/// What frames cost.
+const TIMES: &[Column<Measured>] = &[
     Column {
         title: "ms",
         meaning: "Median time of a frame in milliseconds: animation, acceleration structure, tracing and shading. Adding frames up over time is not counted.",
@@ -116,6 +175,10 @@ const COLUMNS: &[Column<Measured>] = &[
         is_optional: false,
         value: |row| Some(row.ms_max),
     },
+];
+
+/// Against the reference under the same anti-aliasing.
+const AGAINST_SAME: &[Column<Measured>] = &[
     Column {
         title: "SSIM",
         meaning: "Structural similarity to the exact picture as displayed. 1 is the same picture; above 0.98 few people see a difference.",
@@ -172,6 +235,81 @@ const COLUMNS: &[Column<Measured>] = &[
         is_optional: false,
         value: |row| Some(row.bias),
     },
+];
+
+/// Against the truth.
+const AGAINST_TRUTH: &[Column<Measured>] = &[
+    Column {
+        title: "truth SSIM",
+        meaning: "Structural similarity to the truth: to the exact answer with many samples a pixel at the moment of the frame, without any history. 1 is the same picture.",
+        decimals: 4,
+        is_optional: true,
+        value: |row| Some(of_truth(row)?.ssim),
+    },
+    Column {
+        title: "truth PSNR dB",
+        meaning: "Peak signal-to-noise ratio of the displayed picture against the truth, decibels. A dash: no error at all.",
+        decimals: 2,
+        is_optional: true,
+        value: |row| of_truth(row)?.psnr_db,
+    },
+    Column {
+        title: "truth tPSNR dB",
+        meaning: "Peak signal-to-noise ratio of the change from one frame to the next against that of the truth, decibels: what shimmers lowers it, and what lags behind. A dash: no error at all, or a single frame.",
+        decimals: 2,
+        is_optional: true,
+        value: |row| of_truth(row)?.tpsnr_db,
+    },
+    Column {
+        title: "truth VDP JOD",
+        meaning: "ColorVideoVDP of the clip against the truth's. 10 is no visible difference.",
+        decimals: 3,
+        is_optional: true,
+        value: |row| of_truth(row)?.vdp_jod,
+    },
+    Column {
+        title: "truth FLIP",
+        meaning: "Difference to the truth that an eye would notice. 0 is none, 1 the most.",
+        decimals: 4,
+        is_optional: true,
+        value: |row| Some(of_truth(row)?.flip),
+    },
+    Column {
+        title: "truth flicker",
+        meaning: "How much the error against the truth changes from frame to frame: its standard deviation over time, display white being 1.",
+        decimals: 4,
+        is_optional: true,
+        value: |row| Some(of_truth(row)?.flicker),
+    },
+    Column {
+        title: "ghosting",
+        meaning: "Mean error against the truth in linear light, with its sign, in the pixels whose surface was hidden behind a nearer one in the last 8 frames: what is left there of what has gone. 0 is none; above 0 ghosts are too bright. A dash: nothing was uncovered.",
+        decimals: 5,
+        is_optional: true,
+        value: |row| of_truth(row)?.ghosting,
+    },
+    Column {
+        title: "truth RMS",
+        meaning: "Root mean square error against the truth in linear light.",
+        decimals: 4,
+        is_optional: true,
+        value: |row| Some(of_truth(row)?.rms),
+    },
+    Column {
+        title: "truth bias",
+        meaning: "Mean error against the truth in linear light with its sign, over all pixels and the frames that are judged.",
+        decimals: 5,
+        is_optional: true,
+        value: |row| Some(of_truth(row)?.bias),
+    },
+];
+
+fn of_truth(row: &Measured) -> Option<&AgainstTruth> {
+    row.against_truth.as_ref()
+}
+
+/// Why frames cost what they do.
+const COSTS: &[Column<Measured>] = &[
     Column {
         title: "shaded/px",
         meaning: "Fragments shaded for a pixel of a frame. Shading is what costs; one-fragment methods stay at 1 or below, since sky is not shaded.",
@@ -206,15 +344,29 @@ const COLUMNS: &[Column<Measured>] = &[
 const NAMES: [Name<Measured>; 2] =
     [("method", |row| row.method.to_string()), ("aa", |row| row.antialiasing.to_string())];
 
-/// The table; the anti-aliasing is named where it is asked for.
+/// All figures, in the order in which they are shown: of the qualities those against the asked-for references.
+fn columns(references: &[Reference]) -> impl Iterator<Item = &'static Column<Measured>> {
+    let shows_same = references.contains(&Reference::Same);
+    let shows_truth = references.iter().any(|reference| matches!(reference, Reference::Truth { .. }));
+    let of_same = if shows_same { AGAINST_SAME } else { &[] };
+    let of_truth = if shows_truth { AGAINST_TRUTH } else { &[] };
+    TIMES.iter().chain(of_same).chain(of_truth).chain(COSTS)
+}
+
+/// The table, with the qualities against these references; the anti-aliasing is named where it is asked for.
 #[must_use]
-pub fn figures<'r>(rows: impl IntoIterator<Item = &'r Measured>, names_aa: bool) -> Figures {
-    Figures::new(if names_aa { &NAMES } else { &NAMES[..1] }, COLUMNS, rows)
+pub fn figures<'r>(
+    rows: impl IntoIterator<Item = &'r Measured>,
+    names_aa: bool,
+    references: &[Reference],
+) -> Figures {
+    Figures::new(if names_aa { &NAMES } else { &NAMES[..1] }, columns(references), rows)
 }
 
 /// The method and the columns of these titles.
 #[must_use]
 pub fn selected_figures<'r>(rows: impl IntoIterator<Item = &'r Measured>, titles: &[&str]) -> Figures {
-    let columns = COLUMNS.iter().filter(|column| titles.contains(&column.title));
+    let columns = [TIMES, AGAINST_SAME, AGAINST_TRUTH, COSTS].into_iter().flatten();
+    let columns = columns.filter(|column| titles.contains(&column.title));
     Figures::new(&NAMES[..1], columns, rows)
 }

@@ -1,8 +1,10 @@
 //! `sheer compare`: methods side by side with the exact answer.
 
-use sheer_lab::{Clip, ERROR_FULL_SCALE, Measured, REFERENCE, figures, file_name_from, with_reference};
+use sheer_lab::{
+    Clip, ERROR_FULL_SCALE, Measured, REFERENCE, Reference, Truth, figures, file_name_from, with_reference,
+};
 use sheer_metrics::LEAST_VDP_SIDE_PX;
-use sheer_render::Backend;
+use sheer_render::{Backend, Settings};
 
 use crate::{
     args::{COMPARE_SIZE, CompareArguments},
@@ -13,7 +15,7 @@ use crate::{
         json::{self, Comparison, ComparisonRow},
         page::{
             self,
-            comparison::{Entry, Page},
+            comparison::{Entry, Page, TruthPicture},
         },
         table::Table,
     },
@@ -44,14 +46,20 @@ fn compare<B: Backend>(arguments: &CompareArguments, backend: &B) -> anyhow::Res
     let frame_count = arguments.frames.frames;
     let methods = with_reference(without_repeats(&arguments.methods))?;
     let antialiasings = without_repeats(&arguments.antialiasings);
+    let references = without_repeats(&arguments.references);
+    let mut truth = truth(&references, settings)?;
     let mut opened = arguments.scene.open(backend, arguments.machine, console)?;
 
-    // All methods play the clip, once under each anti-aliasing.
+    // All methods play the clip, once under each anti-aliasing; they share the truth.
     let mut measured = Vec::new();
+    let mut true_pictures = Vec::new();
     let bar = console.bar();
     for &antialiasing in &antialiasings {
         let clip = Clip { settings, antialiasing, frame_count, keeps_frames: arguments.vdp };
-        measured.extend(clip.play(backend, &mut opened.stage, &methods, &bar)?);
+        measured.extend(clip.play(backend, &mut opened.stage, &methods, truth.as_mut(), &bar)?);
+        if let Some(picture) = truth.as_ref().and_then(|truth| truth.picture(&clip)) {
+            true_pictures.push(TruthPicture::new(antialiasing, &picture)?);
+        }
     }
     drop(bar);
     measured.iter().filter_map(overflow_of_reference).for_each(|warning| console.warn(warning));
@@ -65,18 +73,45 @@ fn compare<B: Backend>(arguments: &CompareArguments, backend: &B) -> anyhow::Res
             output::write_file(&folder.join(format!("{stem}-error.png")), error)?;
         }
     }
+    for TruthPicture { aa, png } in &true_pictures {
+        output::write_file(&folder.join(format!("{}.png", file_name_from(&format!("{aa}-truth")))), png)?;
+    }
     let run = setup::describe(backend, &arguments.scene, &opened, &settings, frame_count);
-    let rows = entries.iter().map(|entry| ComparisonRow::new(&entry.measured)).collect();
+    let rows = entries.iter().flat_map(|Entry { measured, .. }| {
+        references.iter().filter_map(|&reference| ComparisonRow::new(measured, reference))
+    });
+    let rows = rows.collect();
     let report = Comparison { run, reference: REFERENCE.to_owned(), rows };
     // What refers to the pictures comes last, so that an interrupted run leaves no report that lacks them.
-    let page = Page { report: &report, entries: &entries, error_full_scale: ERROR_FULL_SCALE };
+    let page = Page {
+        report: &report,
+        references: &references,
+        entries: &entries,
+        true_pictures: &true_pictures,
+        error_full_scale: ERROR_FULL_SCALE,
+    };
     let page = page::comparison::text(&page)?;
     output::write_file(&folder.join("report.json"), json::text(&report)?.as_bytes())?;
     output::write_file(&folder.join("index.html"), page.as_bytes())?;
-    let figures = figures(entries.iter().map(|entry| &entry.measured), true);
+    let figures = figures(entries.iter().map(|entry| &entry.measured), true, &references);
     output::print(&Table::of(&figures).text())?;
     console.note(format_args!("wrote {} and report.json beside it", folder.join("index.html").display()));
     Ok(())
+}
+
+/// The truth, if it is asked for.
+fn truth(references: &[Reference], settings: Settings) -> Result<Option<Truth>, Misuse> {
+    let mut samples = references.iter().filter_map(|reference| match *reference {
+        Reference::Truth { samples } => Some(samples),
+        Reference::Same => None,
+    });
+    let truth = samples.next().map(|samples| Truth::new(settings, samples));
+    if samples.next().is_some() {
+        return Err(Misuse(
+            "there is one truth a comparison; give --reference truth:samples=N once".to_owned(),
+        ));
+    }
+    Ok(truth)
 }
 
 /// What to say of a reference that is not exact: a rasteriser's lists hold so many fragments and no more.

@@ -2,7 +2,7 @@
 //! and `devices` write with `--json`.
 
 use serde::Serialize;
-use sheer_lab::{Measured, Tally, verify::Check};
+use sheer_lab::{AgainstTruth, Measured, Reference, Tally, verify::Check};
 use sheer_render::Method;
 
 /// How figures came about, in front of every report.
@@ -47,16 +47,19 @@ pub(crate) struct Comparison {
     pub(crate) run: Run,
     /// The method that the others are compared with.
     pub(crate) reference: String,
-    /// One for each method under each anti-aliasing, the reference among them.
+    /// One for each method under each anti-aliasing against each reference, `baseline` among them.
     pub(crate) rows: Vec<ComparisonRow>,
 }
 
-/// A method in comparison with the reference. Qualities are means over the last half of the frames, when the
-/// history has settled.
+/// A method in comparison with a reference. Qualities are means over the last half of the frames, when the
+/// history has settled; against the truth over the last quarter.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct ComparisonRow {
     pub(crate) method: String,
     pub(crate) aa: String,
+    /// What the qualities are against: `same`, `baseline` under the same anti-aliasing, or `truth`, the exact
+    /// answer with many samples a pixel at the moment of each frame (`truth:samples=N` if not 32).
+    pub(crate) reference: String,
     /// Milliseconds a frame with acceleration structure builds, without temporal anti-aliasing.
     pub(crate) ms_median: f64,
     pub(crate) ms_min: f64,
@@ -76,6 +79,10 @@ pub(crate) struct ComparisonRow {
     pub(crate) flip: Option<f64>,
     /// Standard deviation of the displayed error over time.
     pub(crate) flicker: f64,
+    /// Mean error in linear light, with its sign, in the pixels that were uncovered during the last 8 frames;
+    /// against the truth, and where there are some.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) ghosting: Option<f64>,
     /// Mean error in linear light, with its sign.
     pub(crate) bias: f64,
     /// Root mean square error in linear light.
@@ -92,11 +99,12 @@ pub(crate) struct ComparisonRow {
 }
 
 impl ComparisonRow {
-    /// What programs read of a method.
-    pub(crate) fn new(measured: &Measured) -> Self {
-        Self {
+    /// What programs read of a method; nothing if it was not held against the reference.
+    pub(crate) fn new(measured: &Measured, reference: Reference) -> Option<Self> {
+        let against_same = Self {
             method: measured.method.to_string(),
             aa: measured.antialiasing.to_string(),
+            reference: reference.to_string(),
             ms_median: measured.ms_median,
             ms_min: measured.ms_min,
             ms_max: measured.ms_max,
@@ -106,13 +114,37 @@ impl ComparisonRow {
             vdp_jod: measured.vdp_jod,
             flip: Some(measured.flip),
             flicker: measured.flicker,
+            ghosting: None,
             bias: measured.bias,
             rms: measured.rms,
             shaded_per_pixel: measured.shaded_per_pixel,
             hits_per_pixel: measured.hits_per_pixel,
             memory_bytes_per_pixel: measured.memory_bytes_per_pixel,
             merged_per_pixel: measured.merged_per_pixel,
+        };
+        match reference {
+            Reference::Same => Some(against_same),
+            Reference::Truth { .. } => Some(against_same.against(measured.against_truth.as_ref()?)),
         }
+    }
+
+    /// The same row with the qualities against the truth.
+    fn against(self, truth: &AgainstTruth) -> Self {
+        // Every field but the error map is named, so that a new one cannot be forgotten.
+        let &AgainstTruth {
+            ssim,
+            psnr_db,
+            tpsnr_db,
+            vdp_jod,
+            flip,
+            flicker,
+            ghosting,
+            bias,
+            rms,
+            error_map: _,
+        } = truth;
+        let flip = Some(flip);
+        Self { ssim, psnr_db, tpsnr_db, vdp_jod, flip, flicker, ghosting, bias, rms, ..self }
     }
 }
 

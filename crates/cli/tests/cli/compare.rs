@@ -38,6 +38,8 @@ fn a_report_has_the_names_and_types_of_its_contract() {
         assert!(row.get("vdp_jod").is_none(), "{row}");
         assert_eq!(row["ssim"] == 1.0, is_reference, "{row}");
         assert_eq!(row["shaded_per_pixel"].as_f64().unwrap() <= 1.0, !is_reference, "{row}");
+        assert_eq!(row["reference"], "same");
+        assert!(row.get("ghosting").is_none(), "{row}");
     }
     // The table has a heading and a line for each row; talk is elsewhere.
     assert_eq!(outcome.stdout.lines().count(), 1 + rows.len(), "{}", outcome.stdout);
@@ -81,6 +83,46 @@ fn clips_are_judged_as_a_whole_where_it_is_asked_for() {
     let outcome = sheer(folder.path(), "compare layers --size 64x3 --vdp -o small");
     assert_eq!(outcome.code, Some(2), "{outcome:?}");
     assert!(outcome.stderr.contains("4 pixels"), "{outcome:?}");
+}
+
+#[test]
+fn the_truth_stands_beside_the_same_antialiasing_where_both_are_asked_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let compare = |references: &str, out: &str| {
+        let arguments =
+            format!("compare pane --camera path -m std -a taa -a none --size 32x18 --frames 8 -o {out}");
+        let stdout = succeed(folder.path(), &format!("{arguments} {references}")).stdout;
+        let report = json(&fs::read_to_string(folder.path().join(out).join("report.json")).unwrap());
+        let heading = stdout.lines().next().unwrap().to_owned();
+        (heading, report["rows"].as_array().unwrap().clone())
+    };
+    let (heading, both) = compare("--reference same --reference truth:samples=4", "both");
+    assert!(heading.contains("truth SSIM") && heading.matches("SSIM").count() == 2, "{heading}");
+    let of =
+        |reference: &str| -> Vec<_> { both.iter().filter(|row| row["reference"] == reference).collect() };
+    let (same, truth) = (of("same"), of("truth:samples=4"));
+    assert_eq!((same.len(), truth.len(), both.len()), (4, 4, 8));
+    for (same, truth) in same.into_iter().zip(truth) {
+        assert_eq!((&same["method"], &same["aa"]), (&truth["method"], &truth["aa"]));
+        assert_numbers(
+            truth,
+            &["ssim", "psnr_db", "tpsnr_db", "flip", "flicker", "bias", "rms", "ms_median"],
+        );
+        assert!(truth["ssim"].as_f64().unwrap() < 1.0, "{truth}");
+        assert_eq!(same["ssim"] == 1.0, same["method"] == "baseline", "{same}");
+    }
+    let names = names_in(&folder.path().join("both"));
+    for name in ["taa-truth.png", "none-truth.png", "taa-baseline-error.png", "taa-std-error.png"] {
+        assert!(names.iter().any(|found| found == name), "{name} is not among {names:?}");
+    }
+
+    let (heading, alone) = compare("--reference truth", "alone");
+    assert!(heading.contains("truth SSIM") && heading.matches("SSIM").count() == 1, "{heading}");
+    assert!(alone.len() == 4 && alone.iter().all(|row| row["reference"] == "truth"), "{alone:?}");
+
+    let twice = sheer(folder.path(), "compare pane --reference truth,truth:samples=4 -o twice");
+    assert_eq!(twice.code, Some(2), "{twice:?}");
+    assert!(twice.stderr.contains("one truth"), "{twice:?}");
 }
 
 #[test]

@@ -33,6 +33,8 @@ fn wrong_use_exits_with_2_and_one_line_that_says_what_there_is() {
         ("render layers --backend tpu", "cpu, gpu, gpu:ray, gpu:raster"),
         ("render layers -o picture.jpg", ".png or .exr"),
         ("compare layers --sizes 8x8", "--size"),
+        ("compare layers --reference truht", "there are: same, truth, truth:samples=N"),
+        ("compare layers --reference truth:samples=0", "1..=4096"),
         ("bench nowhere", "nowhere"),
     ] {
         let outcome = sheer(folder.path(), arguments);

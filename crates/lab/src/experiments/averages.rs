@@ -124,6 +124,7 @@ pub(super) fn joint<B: Backend>(lab: &Lab<'_, B>) -> Result<Findings> {
             frames: 24,
             antialiasing,
             methods: &METHODS,
+            truth_samples: None,
         })?;
         let name = format!("{}, camera {camera}", file_name_from(&short_name(&scene)));
         let [joint, std] = ["joint", "std"].map(|method| played.sample(method, |row| row.ssim));

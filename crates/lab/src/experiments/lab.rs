@@ -11,7 +11,7 @@ use super::{
     findings::{Findings, Picture},
 };
 use crate::{
-    Clip, Figures, LabError, Measured, Progress, Result, Tally, Timeline, measure_cost,
+    Clip, Figures, LabError, Measured, Progress, Reference, Result, Tally, Timeline, Truth, measure_cost,
     plot::{Axis, Plot, Series},
     selected_figures, with_reference,
 };
@@ -46,6 +46,8 @@ pub(super) struct Take<'a> {
     pub(super) frames: u32,
     pub(super) antialiasing: Antialiasing,
     pub(super) methods: &'a [&'a str],
+    /// Samples a pixel of the truth, where methods are held against it as well.
+    pub(super) truth_samples: Option<u32>,
 }
 
 impl Take<'_> {
@@ -53,8 +55,12 @@ impl Take<'_> {
     fn command(&self, [width, height]: [u32; 2]) -> String {
         let alpha = self.alpha.map(|alpha| format!(" --alpha {alpha}")).unwrap_or_default();
         let methods: String = self.methods.iter().map(|method| format!(" -m {method}")).collect();
+        let references = self.truth_samples.map(|samples| {
+            format!(" --reference {} --reference {}", Reference::Same, Reference::Truth { samples })
+        });
+        let references = references.unwrap_or_default();
         format!(
-            "sheer compare {}{alpha} --camera {} --time {} --frames {} --size {width}x{height} -a {}{methods}",
+            "sheer compare {}{alpha} --camera {} --time {} --frames {} --size {width}x{height} -a {}{methods}{references}",
             self.scene, self.camera, self.start_secs, self.frames, self.antialiasing
         )
     }
@@ -118,7 +124,9 @@ impl<B: Backend> Lab<'_, B> {
         };
         self.progress.name(take.scene.split(':').next().unwrap_or_default());
         let seeds: Vec<u32> = self.seeds().collect();
-        let measured = clip.play_seeds(self.backend, &mut stage, &methods, &seeds, self.progress)?;
+        let mut truth = take.truth_samples.map(|samples| Truth::new(clip.settings, samples));
+        let measured =
+            clip.play_seeds(self.backend, &mut stage, &methods, &seeds, truth.as_mut(), self.progress)?;
         Ok(Played { command: take.command(self.size), measured })
     }
 

@@ -160,6 +160,7 @@ pub(super) fn pane_opacities<B: Backend>(lab: &Lab<'_, B>) -> Result<Findings> {
             frames: 36,
             antialiasing: Antialiasing::TAA,
             methods: &METHODS,
+            truth_samples: None,
         })?;
         let samples: Vec<Sample> =
             METHODS.iter().map(|method| played.sample(method, |row| row.ssim)).collect();

@@ -24,7 +24,16 @@ const COLUMNS: &[&str] = &["SSIM", "PSNR dB", "tPSNR dB", "FLIP", "flicker", "RM
 const EQUAL: f64 = 0.03;
 
 fn take<'a>(scene: &'a str, camera: &'a str, start_secs: f32, frames: u32) -> Take<'a> {
-    Take { scene, alpha: None, camera, start_secs, frames, antialiasing: Antialiasing::TAA, methods: METHODS }
+    Take {
+        scene,
+        alpha: None,
+        camera,
+        start_secs,
+        frames,
+        antialiasing: Antialiasing::TAA,
+        methods: METHODS,
+        truth_samples: None,
+    }
 }
 
 /// What is missing to a perfect SSIM.

@@ -119,6 +119,7 @@ pub(super) fn hybrid<B: Backend>(lab: &Lab<'_, B>) -> Result<Findings> {
             frames: 12,
             antialiasing: Antialiasing::TAA,
             methods: &methods,
+            truth_samples: None,
         })?;
         let errors: Vec<Sample> =
             by_threshold.iter().map(|method| played.sample(method, |row| row.rms)).collect();

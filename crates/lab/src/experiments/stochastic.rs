@@ -33,6 +33,7 @@ fn motor<B: Backend>(lab: &Lab<'_, B>, alpha: f32, methods: &[String]) -> Result
         frames: 4,
         antialiasing: Antialiasing::NONE,
         methods: &methods,
+        truth_samples: None,
     })
 }
 
@@ -425,6 +426,7 @@ pub(super) fn family<B: Backend>(lab: &Lab<'_, B>) -> Result<Findings> {
             frames: 2,
             antialiasing,
             methods: FAMILY,
+            truth_samples: None,
         })?;
         let short = super::averages::short_name(&scene);
         // The baseline ends at a visibility of a thousandth.

@@ -3,11 +3,11 @@
 use serde::Serialize;
 use sheer_image::{Image, Metadata, encode_png};
 use sheer_lab::{
-    Figures, Measured, figures,
+    Figures, Measured, Reference, figures,
     plot::{Axis, Plot, Series},
 };
 use sheer_metrics::false_colour;
-use sheer_render::contract::MethodInfo;
+use sheer_render::{Antialiasing, contract::MethodInfo};
 
 use super::{benchmark::time_chart, data_uri, fill};
 use crate::report::{
@@ -22,8 +22,27 @@ pub(crate) struct Entry {
     pub(crate) measured: Measured,
     /// Its last frame as PNG.
     pub(crate) picture_png: Vec<u8>,
-    /// Its error map as PNG; the reference has none.
+    /// Its error map as PNG, against the truth where it is asked for; the reference has none.
     pub(crate) error_png: Option<Vec<u8>>,
+}
+
+/// What methods should have shown in their last frame.
+#[derive(Debug)]
+pub(crate) struct TruthPicture {
+    /// The anti-aliasing that they were under: under one that adds up a moment the last frame shows the first.
+    pub(crate) aa: String,
+    /// As PNG.
+    pub(crate) png: Vec<u8>,
+}
+
+impl TruthPicture {
+    /// Encodes the picture.
+    ///
+    /// # Errors
+    /// There is no memory for it.
+    pub(crate) fn new(antialiasing: Antialiasing, picture: &Image<[u8; 4]>) -> anyhow::Result<Self> {
+        Ok(Self { aa: antialiasing.to_string(), png: encode_png(picture, &Metadata::default())? })
+    }
 }
 
 impl Entry {
@@ -33,7 +52,11 @@ impl Entry {
     /// There is no memory for them.
     pub(crate) fn new(measured: Measured) -> anyhow::Result<Self> {
         let png = |image: &Image<[u8; 4]>| encode_png(image, &Metadata::default());
-        let error_png = measured.error_map.as_ref().map(png).transpose()?;
+        let error_map = match &measured.against_truth {
+            Some(truth) => Some(&truth.error_map),
+            None => measured.error_map.as_ref(),
+        };
+        let error_png = error_map.map(png).transpose()?;
         Ok(Self { picture_png: png(&measured.picture)?, error_png, measured })
     }
 
@@ -48,8 +71,12 @@ impl Entry {
 pub(crate) struct Page<'a> {
     /// Figures.
     pub(crate) report: &'a Comparison,
+    /// What the methods are held against.
+    pub(crate) references: &'a [Reference],
     /// Methods with their pictures, in the order of the report's rows.
     pub(crate) entries: &'a [Entry],
+    /// The truth under each anti-aliasing, where it is asked for.
+    pub(crate) true_pictures: &'a [TruthPicture],
     /// Displayed error in the last colour of the error maps.
     pub(crate) error_full_scale: f32,
 }
@@ -58,7 +85,10 @@ pub(crate) struct Page<'a> {
 #[derive(Serialize)]
 struct Context<'a> {
     run: &'a Run,
-    reference: &'a str,
+    baseline: &'a str,
+    /// The references in words.
+    same: Option<String>,
+    truth: Option<String>,
     figures: Figures,
     cards: Vec<Card>,
     has_several_aa: bool,
@@ -104,8 +134,10 @@ pub(crate) fn text(page: &Page<'_>) -> anyhow::Result<String> {
     let has_several_aa = antialiasings(page).len() > 1;
     let context = Context {
         run: &page.report.run,
-        reference: &page.report.reference,
-        figures: figures(page.entries.iter().map(|entry| &entry.measured), has_several_aa),
+        baseline: &page.report.reference,
+        same: in_words(page, |reference| **reference == Reference::Same),
+        truth: in_words(page, |reference| is_truth(reference)),
+        figures: figures(page.entries.iter().map(|entry| &entry.measured), has_several_aa, page.references),
         cards: cards(page, has_several_aa),
         has_several_aa,
         charts: antialiasings(page).into_iter().map(|aa| charts(page, aa)).collect(),
@@ -116,19 +148,39 @@ pub(crate) fn text(page: &Page<'_>) -> anyhow::Result<String> {
     fill("comparison.html", context)
 }
 
+fn is_truth(reference: &Reference) -> bool {
+    matches!(reference, Reference::Truth { .. })
+}
+
+fn in_words(page: &Page<'_>, is_meant: impl FnMut(&&Reference) -> bool) -> Option<String> {
+    page.references.iter().find(is_meant).map(|reference| reference.in_words())
+}
+
+/// The pictures, those under one anti-aliasing side by side; before them the truth, where there is one.
 fn cards(page: &Page<'_>, has_several_aa: bool) -> Vec<Card> {
+    let label =
+        |name: &str, aa: &str| if has_several_aa { format!("{name} · {aa}") } else { name.to_owned() };
     let card = |(index, entry): (usize, &Entry)| {
-        let (method, aa) = (&entry.measured.method, entry.aa());
+        let (method, aa) = (entry.measured.method.to_string(), entry.aa());
         Card {
             id: format!("picture-{index}"),
-            label: if has_several_aa { format!("{method} · {aa}") } else { method.to_string() },
+            label: label(&method, &aa),
             aa,
             is_reference: entry.error_png.is_none(),
             picture: data_uri(&entry.picture_png),
             error: entry.error_png.as_deref().map(data_uri),
         }
     };
-    page.entries.iter().enumerate().map(card).collect()
+    let truth = |(index, truth): (usize, &TruthPicture)| Card {
+        id: format!("truth-{index}"),
+        label: label("truth", &truth.aa),
+        aa: truth.aa.clone(),
+        is_reference: true,
+        picture: data_uri(&truth.png),
+        error: None,
+    };
+    let truths = page.true_pictures.iter().enumerate().map(truth);
+    truths.chain(page.entries.iter().enumerate().map(card)).collect()
 }
 
 fn antialiasings(page: &Page<'_>) -> Vec<String> {
@@ -154,12 +206,15 @@ fn charts(page: &Page<'_>, aa: String) -> Charts {
         };
         plot.into()
     };
-    Charts {
-        time: time_chart(page.report.run.first_frame, lines),
-        ssim: quality("SSIM", |measured| Some(measured.ssim)),
-        psnr: quality("PSNR dB", |measured| measured.psnr_db),
-        aa,
+    let time = time_chart(page.report.run.first_frame, lines);
+    if page.references.iter().any(is_truth) {
+        let ssim = quality("SSIM to the truth", |measured| Some(measured.against_truth.as_ref()?.ssim));
+        let psnr = quality("PSNR dB to the truth", |measured| measured.against_truth.as_ref()?.psnr_db);
+        return Charts { aa, time, ssim, psnr };
     }
+    let ssim = quality("SSIM", |measured| Some(measured.ssim));
+    let psnr = quality("PSNR dB", |measured| measured.psnr_db);
+    Charts { aa, time, ssim, psnr }
 }
 
 /// Each method once, whatever its parameters.
@@ -187,7 +242,7 @@ fn legend() -> String {
 
 #[cfg(test)]
 mod tests {
-    use sheer_render::Antialiasing;
+    use sheer_lab::AgainstTruth;
 
     use super::{
         super::tests::{assert_sound, run_of},
@@ -195,6 +250,23 @@ mod tests {
     };
 
     fn page_of(scene: &str) -> String {
+        page_against(scene, &[Reference::Same])
+    }
+
+    fn page_against(scene: &str, references: &[Reference]) -> String {
+        let has_truth = references.iter().any(is_truth);
+        let against_truth = AgainstTruth {
+            ssim: 0.5,
+            psnr_db: None,
+            tpsnr_db: None,
+            vdp_jod: None,
+            flip: 0.0,
+            flicker: 0.0,
+            ghosting: None,
+            bias: 0.0,
+            rms: 0.0,
+            error_map: Image::filled(2, 1, [0; 4]).unwrap(),
+        };
         let measured = |method: &str| Measured {
             method: method.parse().unwrap(),
             antialiasing: Antialiasing::TAA,
@@ -210,6 +282,7 @@ mod tests {
             flicker: 0.0,
             bias: 0.0,
             rms: 0.0,
+            against_truth: has_truth.then(|| against_truth.clone()),
             shaded_per_pixel: 1.0,
             hits_per_pixel: 2.0,
             memory_bytes_per_pixel: 0.0,
@@ -224,13 +297,36 @@ mod tests {
         };
         let entries = [entry("baseline", None), entry("std", Some(b"map".to_vec()))];
         let report = Comparison { run: run_of(scene), reference: "baseline".to_owned(), rows: Vec::new() };
-        text(&Page { report: &report, entries: &entries, error_full_scale: 0.25 }).unwrap()
+        let truth = TruthPicture { aa: "taa".to_owned(), png: b"true".to_vec() };
+        let true_pictures = if has_truth { std::slice::from_ref(&truth) } else { &[] };
+        let page =
+            Page { report: &report, references, entries: &entries, true_pictures, error_full_scale: 0.25 };
+        text(&page).unwrap()
     }
 
     #[test]
     fn the_page_needs_nothing_but_itself() {
         assert_sound(page_of);
         assert!(page_of("layers").contains("data:image/png;base64,cG5n"), "the picture is not embedded");
+    }
+
+    #[test]
+    fn references_are_named_in_words_and_have_columns_of_their_own() {
+        const SAME: &str = "baseline</b> under the same anti-aliasing";
+        const TRUTH: &str = "the truth (exact, 32 samples a pixel)";
+        const TRUE_PICTURE: &str = "data:image/png;base64,dHJ1ZQ==";
+        let holds = |references: &[Reference], text: &str| page_against("layers", references).contains(text);
+        for references in [&[Reference::Same][..], &[Reference::TRUTH], &[Reference::Same, Reference::TRUTH]]
+        {
+            let [has_same, has_truth] =
+                [Reference::Same, Reference::TRUTH].map(|reference| references.contains(&reference));
+            assert_eq!(holds(references, SAME), has_same, "{references:?}");
+            assert_eq!(holds(references, ">SSIM<"), has_same, "{references:?}");
+            for text in [TRUTH, TRUE_PICTURE, ">truth SSIM<", "SSIM to the truth"] {
+                assert_eq!(holds(references, text), has_truth, "{text}: {references:?}");
+            }
+        }
+        assert_sound(|scene| page_against(scene, &[Reference::Same, Reference::TRUTH]));
     }
 
     #[test]
