@@ -78,6 +78,8 @@ struct Quality {
     frames: u32,
     ssim: f64,
     psnr_db: f64,
+    /// Those that equal the reference: their PSNR is infinite.
+    equal_frames: u32,
     flip: f64,
     bias: f64,
     rms: f64,
@@ -89,7 +91,10 @@ impl Quality {
     fn add(&mut self, reference: &Shown, shown: &Shown) -> Result<()> {
         self.frames += 1;
         self.ssim += ssim(&reference.displayed, &shown.displayed)?;
-        self.psnr_db += psnr_db(&reference.displayed, &shown.displayed)?;
+        match psnr_db(&reference.displayed, &shown.displayed)? {
+            f64::INFINITY => self.equal_frames += 1,
+            psnr_db => self.psnr_db += psnr_db,
+        }
         self.flip += flip(&reference.displayed, &shown.displayed)?;
         self.bias += bias(&reference.linear, &shown.linear)?;
         self.rms += rms(&reference.linear, &shown.linear)?;
@@ -102,9 +107,10 @@ impl Quality {
         sum / f64::from(self.frames)
     }
 
-    /// None where every frame equals the reference.
+    /// The mean of the frames that differ from the reference; none where all equal it.
     fn psnr_db(&self) -> Option<f64> {
-        Some(self.mean(self.psnr_db)).filter(|psnr_db| psnr_db.is_finite())
+        let different = self.frames - self.equal_frames;
+        (different > 0).then(|| self.psnr_db / f64::from(different))
     }
 
     fn tpsnr_db(&self) -> Option<f64> {

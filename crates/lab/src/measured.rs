@@ -344,7 +344,7 @@ const COSTS: &[Column<Measured>] = &[
 const NAMES: [Name<Measured>; 2] =
     [("method", |row| row.method.to_string()), ("aa", |row| row.antialiasing.to_string())];
 
-/// All figures, in the order in which they are shown: of the qualities those against the asked-for references.
+/// All figures, in the order in which they are shown: of the qualities those against these references.
 fn columns(references: &[Reference]) -> impl Iterator<Item = &'static Column<Measured>> {
     let shows_same = references.contains(&Reference::Same);
     let shows_truth = references.iter().any(|reference| matches!(reference, Reference::Truth { .. }));

@@ -275,7 +275,8 @@ mod tests {
             .sum();
         let pixels = truth.frames.len() * (SIZE[0] * SIZE[1]) as usize;
         assert!(uncovered > 0 && uncovered < pixels / 2, "{uncovered} of {pixels}");
-        assert!(none.is_finite() && taa.is_finite() && none != taa, "{none}, {taa}");
+        // Negative control: without a history there are no ghosts.
+        assert!(none.abs() < 0.5 * taa.abs(), "{none}, {taa}");
     }
 
     #[test]

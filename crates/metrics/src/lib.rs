@@ -2,9 +2,9 @@
 //!
 //! Structural similarity, PSNR and FLIP compare what a display shows ([`sheer_image::display_over_black`]);
 //! RMS and bias compare linear light; flicker takes either; tPSNR and ColorVideoVDP take displayed clips;
-//! [`Ghosting`] takes linear light and where a clip was [uncovered](Uncovering); [`FragmentDifference`] counts
-//! pixels. No function here knows which method made a picture, and none depends on the number of threads:
-//! sums run row by row in a fixed order.
+//! [`Ghosting`] takes linear light and where a clip was [uncovered](Uncovering); [`FragmentDifference`]
+//! counts pixels. No function here knows which method made a picture, and none depends on the number of
+//! threads: sums run row by row in a fixed order.
 
 mod convolve;
 mod difference;

@@ -29,7 +29,7 @@ pub(crate) struct Entry {
 /// What methods should have shown in their last frame.
 #[derive(Debug)]
 pub(crate) struct TruthPicture {
-    /// The anti-aliasing that they were under: under one that adds up a moment the last frame shows the first.
+    /// The anti-aliasing that they were under: under one that adds up a moment all frames show the first.
     pub(crate) aa: String,
     /// As PNG.
     pub(crate) png: Vec<u8>,
