@@ -7,13 +7,11 @@ use sheer_metrics::{
 use sheer_render::{Antialiasing, Backend, Clock, Method, Settings};
 
 use crate::{
-    LabError, Measured, Progress, Result, Tally, Timeline, Truth,
+    LabError, Measured, Progress, REFERENCE, Result, Tally, Timeline, Truth,
     measured::AgainstTruth,
     play::{Event, pipelines, play},
 };
 
-/// The method that has no error, in all figures.
-pub const REFERENCE: &str = "baseline";
 /// Error of a displayed image that error maps show in their last colour.
 pub const ERROR_FULL_SCALE: f32 = 0.25;
 
@@ -189,14 +187,17 @@ impl Clip {
         };
 
         // The frames of the truth come first: the stage has to be held at each of their moments.
+        let timeline = Timeline::of(&self.settings, self.antialiasing, self.frame_count);
         if let Some(truth) = &mut truth {
-            truth.render(backend, stage, self, progress)?;
+            if *truth.settings() != self.settings {
+                return Err(LabError::Misuse("the truth is one of a clip with other settings".to_owned()));
+            }
+            truth.render(backend, stage, timeline, progress)?;
         }
         let truth = truth.as_deref();
 
         // Frame by frame, and each held against the reference in the half of the frames that counts.
         let mut records: Vec<Record> = contestants.iter().map(|_| Record::default()).collect();
-        let timeline = Timeline::of(&self.settings, self.antialiasing, self.frame_count);
         let mut shown_truths = Vec::new();
         play(backend, stage, &mut pipelines, timeline, |event| {
             match event {
@@ -207,7 +208,7 @@ impl Clip {
                 // The history has settled in the last half.
                 Event::Frame { index, pipelines } if index >= self.frame_count / 2 => {
                     let reference = frame_of(&pipelines[reference_at])?;
-                    let truth = truth.and_then(|truth| truth.of_frame(self, index));
+                    let truth = truth.and_then(|truth| truth.of_frame(timeline, index));
                     let truth = truth.map(|truth| (Shown::new(&truth.colour), &truth.uncovered));
                     for (record, pipeline) in records.iter_mut().zip(pipelines) {
                         let shown = frame_of(pipeline)?;
@@ -232,7 +233,7 @@ impl Clip {
         // What remains to be judged once: the last picture, and the clip as a whole.
         let reference = frame_of(&pipelines[reference_at])?;
         let reference = Judge { last: &reference, clip: &records[reference_at].shown };
-        let last_truth = truth.and_then(|truth| truth.of_frame(self, self.frame_count - 1));
+        let last_truth = truth.and_then(|truth| truth.of_frame(timeline, self.frame_count - 1));
         let last_truth = last_truth.map(|truth| Shown::new(&truth.colour));
         let truth = last_truth.as_ref().map(|last| Judge { last, clip: &shown_truths });
         let mut measured: Vec<Vec<Measured>> = Vec::with_capacity(methods.len());

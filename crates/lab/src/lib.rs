@@ -41,7 +41,7 @@ mod truth;
 pub mod verify;
 
 pub use crate::{
-    clip::{Clip, ERROR_FULL_SCALE, REFERENCE, with_reference},
+    clip::{Clip, ERROR_FULL_SCALE, with_reference},
     cost::measure_cost,
     error::{LabError, Result},
     figures::{Column, Datum, Figures, Name, number},
@@ -49,7 +49,7 @@ pub use crate::{
     measured::{AgainstTruth, Measured, figures, selected_figures},
     play::{Event, Timeline, picture, play},
     progress::{Progress, Silent},
-    reference::Reference,
+    reference::{REFERENCE, Reference},
     tally::Tally,
     truth::Truth,
 };

@@ -33,7 +33,7 @@ impl Timeline<'_> {
     }
 
     /// Where the stage is taken for a frame.
-    fn moment(&self, index: u32) -> Option<Moment> {
+    pub(crate) fn moment(&self, index: u32) -> Option<Moment> {
         match self {
             Self::Clock(clock, _) => Some(clock.at(index)),
             Self::Moments(moments) => Some(moments[index as usize]),

@@ -4,7 +4,10 @@ use std::{fmt, str::FromStr};
 
 use sheer_core::parameter::{ParameterInfo, ParameterRange, Values, split_name};
 
-use crate::{LabError, REFERENCE};
+use crate::LabError;
+
+/// The method that has no error, in all figures.
+pub const REFERENCE: &str = "baseline";
 
 /// What methods are held against. Parse one from `same` or `truth:samples=N`; it prints with the keys that
 /// differ from their defaults.

@@ -10,10 +10,10 @@
 use sheer_core::coverage::Correction;
 use sheer_image::{Image, ToneCurve, display};
 use sheer_metrics::Uncovering;
-use sheer_render::{Antialiasing, Backend, Clock, Counters, Method, Moment, Settings};
+use sheer_render::{Antialiasing, Backend, Counters, Method, Moment, Settings};
 
 use crate::{
-    Clip, LabError, Progress, REFERENCE, Result, Timeline,
+    LabError, Progress, REFERENCE, Result, Timeline,
     play::{Event, pipelines, play},
 };
 
@@ -49,45 +49,49 @@ impl Truth {
         Self { settings, samples, frames: Vec::new() }
     }
 
+    /// What its clips have in common.
+    pub(crate) fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
     /// The last frame of a clip that has been played, as a display shows it: sRGB, straight alpha.
     #[must_use]
-    pub fn picture(&self, clip: &Clip) -> Option<Image<[u8; 4]>> {
-        let last = self.of_frame(clip, clip.frame_count.checked_sub(1)?)?;
+    pub fn picture(&self, timeline: Timeline<'_>) -> Option<Image<[u8; 4]>> {
+        let last = self.of_frame(timeline, timeline.frames().checked_sub(1)?)?;
         Some(display(&last.colour, ToneCurve::default()))
     }
 
     /// The first frame of a clip that is judged against the truth.
-    fn first_judged(clip: &Clip) -> u32 {
-        clip.frame_count.saturating_sub((clip.frame_count / SHARE).max(1))
+    fn first_judged(timeline: Timeline<'_>) -> u32 {
+        let count = timeline.frames();
+        count.saturating_sub((count / SHARE).max(1))
     }
 
     /// The truth of a frame that is judged, counted from the clip's first.
-    pub(crate) fn of_frame(&self, clip: &Clip, index: u32) -> Option<&TruthFrame> {
-        let moment = Clock::new(&clip.settings, clip.antialiasing).at(index);
-        let is_judged = index >= Self::first_judged(clip);
+    pub(crate) fn of_frame(&self, timeline: Timeline<'_>, index: u32) -> Option<&TruthFrame> {
+        let moment = timeline.moment(index)?;
+        let is_judged = index >= Self::first_judged(timeline);
         self.frames.iter().find(|frame| is_judged && frame.moment == moment)
     }
 
     /// Renders what a clip needs and is not there yet. The stage is left where it was needed last.
     ///
     /// # Errors
-    /// What the backend says; [`LabError::Misuse`] if the clip has other settings.
+    /// What the backend says; [`LabError::Misuse`] if it does not run what the truth takes.
     pub(crate) fn render<B: Backend>(
         &mut self,
         backend: &B,
         stage: &mut B::Stage,
-        clip: &Clip,
+        timeline: Timeline<'_>,
         progress: &dyn Progress,
     ) -> Result<()> {
-        if self.settings != clip.settings {
-            return Err(LabError::Misuse("the truth is one of a clip with other settings".to_owned()));
-        }
-        let first = Self::first_judged(clip);
-        let missing = (first..clip.frame_count).filter(|&index| self.of_frame(clip, index).is_none());
+        let end = timeline.frames();
+        let first = Self::first_judged(timeline);
+        let missing = (first..end).filter(|&index| self.of_frame(timeline, index).is_none());
         let missing: Vec<u32> = missing.collect();
         let Some(&first) = missing.first() else { return Ok(()) };
-        let clock = Clock::new(&clip.settings, clip.antialiasing);
-        let stands = clip.antialiasing.info().time_stands_still;
+        // Where time stands still, one moment has the truth of all frames.
+        let stands = timeline.moment(first).is_some_and(|moment| moment.time_secs == moment.previous_secs);
         let count = if stands { 1 } else { missing.len() as u32 };
         progress.expect(u64::from(count) * u64::from(self.samples));
 
@@ -97,15 +101,15 @@ impl Truth {
         let mut counters = Counters::default();
         let frames = match stands {
             true => first..first + 1,
-            false => first.saturating_sub(Uncovering::FRAMES as u32)..clip.frame_count,
+            false => first.saturating_sub(Uncovering::FRAMES as u32)..end,
         };
         for index in frames {
-            let moment = clock.at(index);
+            let Some(moment) = timeline.moment(index) else { break };
             let failed = |error| LabError::of_backend(backend, error);
             backend.advance(stage, moment).map_err(failed)?;
             backend.render(&mut nearest, stage, index).map_err(failed)?;
             let uncovered = uncovering.add(&*backend.planes(&nearest).map_err(failed)?)?;
-            if index >= first && self.of_frame(clip, index).is_none() {
+            if index >= first && self.of_frame(timeline, index).is_none() {
                 let colour = self.colour(backend, stage, &mut counters, progress)?;
                 self.frames.push(TruthFrame { moment, colour, uncovered });
             }
@@ -178,13 +182,17 @@ mod tests {
     use sheer_render::{Stage, backend::Cpu};
 
     use super::*;
-    use crate::{Measured, Silent, with_reference};
+    use crate::{Clip, Measured, Silent, with_reference};
 
     const SIZE: [u32; 2] = [48, 27];
 
     fn stage(scene: &str, camera: &str) -> Stage {
         let camera = sheer_scene::CameraChoice::Named(camera.to_owned());
         Stage::new(sheer_gallery::open(scene).unwrap().scene, &camera, Some(1)).unwrap()
+    }
+
+    fn timeline(clip: &Clip) -> Timeline<'static> {
+        Timeline::of(&clip.settings, clip.antialiasing, clip.frame_count)
     }
 
     fn clip(antialiasing: Antialiasing, frame_count: u32) -> Clip {
@@ -206,14 +214,14 @@ mod tests {
         let mut truth = Truth::new(clip.settings, 16);
         let measured = play_with(&clip, &mut stage, &mut truth, &[]);
         assert_eq!(truth.frames.len(), 1, "one moment has one truth");
-        assert_eq!(truth.picture(&clip).as_ref(), Some(&measured[0].picture));
+        assert_eq!(truth.picture(timeline(&clip)).as_ref(), Some(&measured[0].picture));
         let against = measured[0].against_truth.as_ref().unwrap();
         assert!(against.ghosting.is_none(), "nothing moves");
         // Negative control: other samples are another picture, as there are edges.
         let mut coarse = Truth::new(clip.settings, 1);
         let measured = play_with(&clip, &mut stage, &mut coarse, &[]);
         assert!(measured[0].against_truth.as_ref().unwrap().rms > 1e-3);
-        assert_ne!(coarse.picture(&clip).as_ref(), Some(&measured[0].picture));
+        assert_ne!(coarse.picture(timeline(&clip)).as_ref(), Some(&measured[0].picture));
     }
 
     #[test]
@@ -243,8 +251,8 @@ mod tests {
         let smooth = play_with(&of(Antialiasing::TAA), &mut stage, &mut truth, &["std"]);
         assert_eq!(truth.frames.len(), 2);
         assert_eq!(truth.frames[0].colour, first);
-        assert!(truth.of_frame(&of(Antialiasing::TAA), 6).is_none());
-        assert!(truth.of_frame(&of(Antialiasing::TAA), 7).is_some());
+        assert!(truth.of_frame(timeline(&of(Antialiasing::TAA)), 6).is_none());
+        assert!(truth.of_frame(timeline(&of(Antialiasing::TAA)), 7).is_some());
         // The reference has errors of its own now, and every frame has changes.
         for measured in jagged.iter().chain(&smooth) {
             let against = measured.against_truth.as_ref().unwrap();

@@ -1,7 +1,8 @@
 //! `sheer compare`: methods side by side with the exact answer.
 
 use sheer_lab::{
-    Clip, ERROR_FULL_SCALE, Measured, REFERENCE, Reference, Truth, figures, file_name_from, with_reference,
+    Clip, ERROR_FULL_SCALE, Measured, REFERENCE, Reference, Timeline, Truth, figures, file_name_from,
+    with_reference,
 };
 use sheer_metrics::LEAST_VDP_SIDE_PX;
 use sheer_render::{Backend, Settings};
@@ -56,8 +57,9 @@ fn compare<B: Backend>(arguments: &CompareArguments, backend: &B) -> anyhow::Res
     let bar = console.bar();
     for &antialiasing in &antialiasings {
         let clip = Clip { settings, antialiasing, frame_count, keeps_frames: arguments.vdp };
+        let timeline = Timeline::of(&settings, antialiasing, frame_count);
         measured.extend(clip.play(backend, &mut opened.stage, &methods, truth.as_mut(), &bar)?);
-        if let Some(picture) = truth.as_ref().and_then(|truth| truth.picture(&clip)) {
+        if let Some(picture) = truth.as_ref().and_then(|truth| truth.picture(timeline)) {
             true_pictures.push(TruthPicture::new(antialiasing, &picture)?);
         }
     }
