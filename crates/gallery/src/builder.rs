@@ -14,8 +14,8 @@ use sheer_scene::{
     camera::Camera,
     environment::Environment,
     model::{
-        Animation, Channel, Filter, Influence, Instance, Keys, Light, LightKind, Material, Mesh, MorphTarget,
-        Node, SceneParts, Skin, Texture, Track, Transform, Wrap,
+        Animation, Channel, Filter, Influence, Instance, Keys, Light, LightKind, Material, Mesh,
+        Minification, MorphTarget, Node, SceneParts, Skin, Texture, Track, Transform, Wrap,
     },
     particle::ParticleSystem,
 };
@@ -329,6 +329,7 @@ impl SceneBuilder {
             srgb: texture.srgb,
             wrap: [Wrap::Repeat; 2],
             filter: Filter::Linear,
+            minification: Minification::default(),
         };
         self.parts.textures = planned.into_iter().map(painted).collect();
     }

@@ -33,7 +33,7 @@ impl From<&CameraPose> for CameraUniform {
             z_axis: axes.z_axis.into(),
             is_orthographic,
             eye: pose.eye(),
-            padding: 0,
+            pixel_side: 0.0,
         }
     }
 }
@@ -63,9 +63,10 @@ impl FrameUniform {
             Background::Colour(rgb) => (BACKGROUND_COLOUR, rgb),
             Background::None => (BACKGROUND_NONE, Vec3::ZERO),
         };
+        let beam = frame.camera().pixel_beam(parameters.size[1] as f32);
         let [depth_near, depth_far] = extent.depth_range(frame.camera());
         Self {
-            camera: frame.camera().into(),
+            camera: CameraUniform { pixel_side: beam.width + beam.growth, ..frame.camera().into() },
             previous_camera: frame.previous_camera().into(),
             size: parameters.size.into(),
             jitter: parameters.jitter,

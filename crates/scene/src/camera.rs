@@ -75,6 +75,25 @@ pub struct CameraPose {
     pub lens: Lens,
 }
 
+/// How wide the beam of a pixel in the middle of an image is along its ray; beams towards the corners of a
+/// perspective image are taken for as wide.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PixelBeam {
+    /// Where the ray begins, world units: 0 of a perspective camera.
+    pub width: f32,
+    /// What it grows by along a world unit: 0 of an orthographic camera.
+    pub growth: f32,
+}
+
+impl PixelBeam {
+    /// The width at a distance.
+    #[must_use]
+    #[inline]
+    pub fn width_at(&self, distance: f32) -> f32 {
+        self.width + self.growth * distance
+    }
+}
+
 /// A ray of a camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CameraRay {
@@ -159,6 +178,19 @@ impl CameraPose {
             Lens::Orthographic { half_height } => {
                 let origin = self.world_from_camera.transform_point3((ndc * half_height).extend(0.0));
                 CameraRay { origin, direction: self.forward() }
+            }
+        }
+    }
+
+    /// The beam of a pixel of an image that is `height` pixels high.
+    #[must_use]
+    pub fn pixel_beam(&self, height: f32) -> PixelBeam {
+        match self.lens {
+            Lens::Perspective { yfov_rad } => {
+                PixelBeam { width: 0.0, growth: 2.0 * (0.5 * yfov_rad).tan() * height.recip() }
+            }
+            Lens::Orthographic { half_height } => {
+                PixelBeam { width: 2.0 * half_height * height.recip(), growth: 0.0 }
             }
         }
     }

@@ -107,9 +107,9 @@ fn of_mesh(mesh: &Mesh) -> u64 {
 }
 
 fn of_texture(texture: &Texture) -> u64 {
-    let Texture { name, image, srgb, wrap, filter } = texture;
+    let Texture { name, image, srgb, wrap, filter, minification } = texture;
     let mut hash = PartHash::new();
-    hash.add_described(&(name, image.size(), srgb, wrap, filter));
+    hash.add_described(&(name, image.size(), srgb, wrap, filter, minification));
     hash.0.add(image.as_slice().as_flattened().iter().copied());
     hash.0.value()
 }
@@ -127,8 +127,8 @@ mod tests {
         camera::Camera,
         environment::Lobe,
         model::{
-            AlphaMode, Animation, Channel, Filter, Influence, Instance, Interpolation, Keys, Light,
-            LightKind, Material, Node, Skin, TextureRef, Track, Transform, Wrap,
+            AlphaMode, Animation, Channel, Filter, Influence, Instance, Interpolation, Keys, LevelFilter,
+            Light, LightKind, Material, Minification, Node, Skin, TextureRef, Track, Transform, Wrap,
         },
         particle::{Particle, ParticleSystem, Turbulence},
     };
@@ -167,6 +167,7 @@ mod tests {
             srgb: true,
             wrap: [Wrap::Repeat; 2],
             filter: Filter::Linear,
+            minification: Minification::default(),
         };
         let keys = Keys {
             times_secs: vec![0.0, 1.0],
@@ -296,6 +297,8 @@ mod tests {
         ("colour space of a texture", |parts| parts.textures[0].srgb = false),
         ("wrapping", |parts| parts.textures[0].wrap[1] = Wrap::ClampToEdge),
         ("filter", |parts| parts.textures[0].filter = Filter::Nearest),
+        ("filter of minified texels", |parts| parts.textures[0].minification.filter = Filter::Nearest),
+        ("filter of levels", |parts| parts.textures[0].minification.levels = LevelFilter::Nearest),
         ("shape of an image", |parts| {
             parts.textures[0].image = Arc::new(Image::filled(4, 1, [10, 20, 30, 40]).unwrap());
         }),

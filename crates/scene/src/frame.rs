@@ -13,6 +13,7 @@ use crate::{camera::CameraPose, model::LightKind, scene::Scene};
 mod animator;
 mod attribute;
 mod deform;
+mod footprint;
 mod pose;
 mod storage;
 mod surface;
@@ -21,11 +22,12 @@ use attribute::{QUAD_UVS, mix};
 
 pub use animator::Animator;
 pub(crate) use deform::for_each_vertex_at_rest;
+pub use footprint::{HEAD_ON, LEAST_GRAZING};
 pub(crate) use pose::camera_pose;
 pub use storage::{
     Look, MIRRORED, NO_TEXTURE, OPAQUE, SINGLE_SIDED, SLOT, StaticCounts, TINTED, TriangleOpacity,
 };
-pub use surface::Surface;
+pub use surface::{Beam, Surface};
 
 /// Which side of a triangle is seen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -168,19 +170,27 @@ impl Frame {
     }
 
     /// Opacity of a point of a triangle, 0 to 1: OPAQUE materials 1, MASK materials 0 or 1, BLEND materials
-    /// their alpha. `u` and `v` are the barycentric weights of the second and third vertex.
+    /// their alpha. `u` and `v` are the barycentric weights of the second and third vertex, `width` is that of
+    /// the beam that sees it, world units; 0 looks at the texture's texels themselves.
     #[must_use]
     #[inline]
-    pub fn opacity(&self, triangle: u32, u: f32, v: f32) -> f32 {
+    pub fn opacity(&self, triangle: u32, u: f32, v: f32, width: f32) -> f32 {
         let slot = self.opacity_slot[triangle as usize];
-        if slot & OPAQUE != 0 { 1.0 } else { self.table_opacity(slot, u, v) }
+        if slot & OPAQUE != 0 { 1.0 } else { self.table_opacity(slot, u, v, width) }
     }
 
     /// Opacity of a point of a triangle for a camera ray: that of [`Self::opacity`], but the back of a
     /// single-sided surface is not there.
     #[must_use]
     #[inline]
-    pub fn opacity_for_camera(&self, triangle: u32, u: f32, v: f32, counter_clockwise: bool) -> f32 {
+    pub fn opacity_for_camera(
+        &self,
+        triangle: u32,
+        u: f32,
+        v: f32,
+        counter_clockwise: bool,
+        width: f32,
+    ) -> f32 {
         let slot = self.opacity_slot[triangle as usize];
         let front = counter_clockwise != (slot & MIRRORED != 0);
         if slot & SINGLE_SIDED != 0 && !front {
@@ -188,7 +198,7 @@ impl Frame {
         } else if slot & OPAQUE != 0 {
             1.0
         } else {
-            self.table_opacity(slot, u, v)
+            self.table_opacity(slot, u, v, width)
         }
     }
 
@@ -199,7 +209,7 @@ impl Frame {
     }
 
     #[inline]
-    fn table_opacity(&self, slot: u32, u: f32, v: f32) -> f32 {
+    fn table_opacity(&self, slot: u32, u: f32, v: f32, width: f32) -> f32 {
         let entry = &self.opacities[(slot & SLOT) as usize];
         let w = 1.0 - u - v;
         // From the first vertex on, not as a weighted sum: three equal alphas give exactly theirs, so that 1
@@ -208,7 +218,8 @@ impl Frame {
         let mut alpha = first + u * (second - first) + v * (third - first);
         if entry.texture != NO_TEXTURE {
             let uv = w * entry.uv[0] + u * entry.uv[1] + v * entry.uv[2];
-            alpha *= self.scene.samplers()[entry.texture as usize].sample_alpha(uv);
+            let footprint = width * entry.texel_density;
+            alpha *= self.scene.samplers()[entry.texture as usize].sample_alpha(uv, footprint);
         }
         if entry.cutoff >= 0.0 {
             alpha = f32::from(alpha >= entry.cutoff);

@@ -17,16 +17,16 @@ mod scene;
 mod texture;
 
 pub use crate::{
-    camera::{Camera, CameraPose, CameraRay, Lens},
+    camera::{Camera, CameraPose, CameraRay, Lens, PixelBeam},
     environment::Environment,
     error::SceneError,
     frame::{
-        Animator, FaceSide, Frame, FrameLight, Look, MIRRORED, NO_TEXTURE, OPAQUE, Object, SINGLE_SIDED,
-        SLOT, StaticCounts, Surface, TINTED, TriangleOpacity,
+        Animator, Beam, FaceSide, Frame, FrameLight, HEAD_ON, LEAST_GRAZING, Look, MIRRORED, NO_TEXTURE,
+        OPAQUE, Object, SINGLE_SIDED, SLOT, StaticCounts, Surface, TINTED, TriangleOpacity,
     },
     keys::Interpolate,
     load::{LoadWarning, Loaded, open},
     model::SceneParts,
     scene::{CameraChoice, Scene},
-    texture::decode_tables,
+    texture::{LEAST_GAP, MOST_PROBES, MipChain, NEXT_LEVEL, decode_tables},
 };

@@ -296,8 +296,10 @@ pub struct Texture {
     pub srgb: bool,
     /// Behaviour outside [0, 1] in u and v.
     pub wrap: [Wrap; 2],
-    /// How texels are interpolated.
+    /// How texels are interpolated where a footprint is no larger than a texel.
     pub filter: Filter,
+    /// How they are where it is larger.
+    pub minification: Minification,
 }
 
 /// Texture behaviour outside [0, 1].
@@ -320,6 +322,27 @@ pub enum Filter {
     Linear,
     /// The texel in which the point lies.
     Nearest,
+}
+
+/// How a texture is looked up where a pixel sees more than a texel of it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Minification {
+    /// How texels of a level are interpolated.
+    pub filter: Filter,
+    /// How levels are.
+    pub levels: LevelFilter,
+}
+
+/// How the levels of a mip chain are interpolated.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum LevelFilter {
+    /// The mean of the two levels whose texels are next in size to the footprint, weighted by nearness.
+    #[default]
+    Linear,
+    /// The level whose texels are nearest in size.
+    Nearest,
+    /// There are no levels: the image as it is.
+    None,
 }
 
 /// A clip of keyframes, which loops.

@@ -1,5 +1,7 @@
 //! The scene: validation of its parts, its bounds and its default view.
 
+use std::sync::Arc;
+
 use glam::{Affine3A, Vec3};
 
 use crate::{
@@ -7,7 +9,7 @@ use crate::{
     camera::{Camera, CameraKey, CameraMotion, Lens},
     content_hash,
     model::{AlphaMode, Interpolation, Keys, Mesh, SceneParts, Track, Transform},
-    texture::Sampler,
+    texture::{MipChain, Sampler, samplers},
 };
 
 /// A scene that has been validated once: every index is in range, every number finite, every parent before
@@ -56,12 +58,17 @@ impl Scene {
             problem,
         })?;
         let bounds = bounds_at_rest(&parts);
-        let samplers = parts.textures.iter().map(Sampler::new).collect();
+        let samplers = samplers(&parts);
         Ok(Self { parts, bounds, samplers })
     }
 
     pub(crate) fn samplers(&self) -> &[Sampler] {
         &self.samplers
+    }
+
+    /// The levels of each texture of the parts; textures share those that are the same.
+    pub fn mip_chains(&self) -> impl ExactSizeIterator<Item = &Arc<MipChain>> {
+        self.samplers.iter().map(Sampler::chain)
     }
 
     /// The parts that the scene was made of.

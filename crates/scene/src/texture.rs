@@ -1,24 +1,116 @@
-//! Texture lookup: bilinear in linear light, with the alpha channel kept apart for the any-hit test.
+//! Texture lookup: trilinear in linear light, with the alpha channel kept apart for the any-hit test.
+//!
+//! How much of a texture a lookup sees, its footprint, comes with it. Which levels that is takes the bits of
+//! the footprint instead of a logarithm, which devices round otherwise: the exponent is the level, and the
+//! mantissa the weight of the next, linear from one level to the next instead of logarithmic.
 
 use std::sync::{Arc, OnceLock};
 
 use glam::{Vec2, Vec4};
+use rayon::prelude::*;
 use sheer_core::colour::linear_from_srgb;
-use sheer_image::Image;
 
-use crate::model::{Filter, Texture, Wrap};
+pub use self::mip_chain::MipChain;
+use self::mip_chain::{AlphaUse, Level};
+use crate::model::{AlphaMode, Filter, LevelFilter, Minification, SceneParts, Texture, Wrap};
+
+mod mip_chain;
+
+/// How many lookups at most share a long footprint among them: more keep distant ground sharper at grazing
+/// angles, for as much more time a fragment.
+pub const MOST_PROBES: u32 = 4;
+/// The mantissa from which on the next level is the nearer one: the root of 2, by the logarithm of sizes.
+pub const NEXT_LEVEL: f32 = std::f32::consts::SQRT_2 - 1.0;
+
+/// Probes less far apart than this share of their footprint are as good as one: what they could tell apart is
+/// the square of it.
+pub const LEAST_GAP: f32 = 0.01;
 
 /// A texture ready for lookups.
 #[derive(Clone, Debug)]
 pub(crate) struct Sampler {
-    image: Arc<Image<[u8; 4]>>,
-    /// The alpha channel alone: a quarter of the memory traffic where most lookups happen.
-    alpha: Vec<u8>,
+    chain: Arc<MipChain>,
     decode: &'static [f32; 256],
-    /// Width and height, texels.
-    size: [usize; 2],
     wrap: [Wrap; 2],
     filter: Filter,
+    minification: Minification,
+}
+
+/// What a lookup sees of a texture: an ellipse, taken for a strip.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Footprint {
+    /// Its longer axis from end to end, texture coordinates.
+    pub(crate) axis: Vec2,
+    /// How long that is, texels.
+    pub(crate) length: f32,
+    /// How wide it is, texels; no more than its length.
+    pub(crate) width: f32,
+}
+
+/// Samplers of all textures. Textures share levels that are the same.
+pub(crate) fn samplers(parts: &SceneParts) -> Vec<Sampler> {
+    let alpha_uses = alpha_uses(parts);
+    // What levels depend on.
+    let made_of = |index: usize| {
+        let texture = &parts.textures[index];
+        let has_levels = texture.minification.levels != LevelFilter::None;
+        (Arc::as_ptr(&texture.image), has_levels.then_some((texture.srgb, alpha_uses[index])))
+    };
+    let owner = |index: usize| (0..index).find(|&other| made_of(other) == made_of(index)).unwrap_or(index);
+    let owners: Vec<usize> = (0..parts.textures.len()).map(owner).collect();
+    let chains: Vec<Option<Arc<MipChain>>> = (0..parts.textures.len())
+        .into_par_iter()
+        .map(|index| {
+            let texture = &parts.textures[index];
+            (owners[index] == index).then(|| {
+                Arc::new(match texture.minification.levels {
+                    LevelFilter::None => MipChain::of_one(&texture.image),
+                    _ => MipChain::new(&texture.image, texture.srgb, alpha_uses[index]),
+                })
+            })
+        })
+        .collect();
+    let chain = |owner: usize| chains[owner].clone().expect("an owner has made its chain");
+    parts.textures.iter().zip(owners).map(|(texture, owner)| Sampler::new(texture, chain(owner))).collect()
+}
+
+/// What materials use the alpha of each texture for. A test comes before anything else, and of several tests
+/// the first: a level has one alpha.
+fn alpha_uses(parts: &SceneParts) -> Vec<AlphaUse> {
+    let mut uses = vec![AlphaUse::None; parts.textures.len()];
+    for material in &parts.materials {
+        let Some(used) = &material.base_colour_texture else { continue };
+        let known = &mut uses[used.texture as usize];
+        let factor = material.base_colour.w;
+        match (material.alpha_mode, *known) {
+            (AlphaMode::Opaque, _) | (_, AlphaUse::Test { .. }) => {}
+            (AlphaMode::Mask { cutoff }, _) if cutoff > 0.0 && cutoff <= factor => {
+                *known = AlphaUse::Test { cutoff: cutoff / factor };
+            }
+            (AlphaMode::Mask { .. } | AlphaMode::Blend, _) => *known = AlphaUse::Blend,
+        }
+    }
+    uses
+}
+
+impl Footprint {
+    /// No larger than a texel.
+    #[cfg(test)]
+    pub(crate) const POINT: Self = Self { axis: Vec2::ZERO, length: 0.0, width: 0.0 };
+
+    /// As wide as it is long, texels.
+    pub(crate) fn round(width: f32) -> Self {
+        Self { axis: Vec2::ZERO, length: width, width }
+    }
+}
+
+/// The level whose texels are next in size below a footprint of more than one texel, and the weight of the
+/// level after it.
+#[inline]
+fn level_of(footprint: f32) -> (u32, f32) {
+    let bits = footprint.to_bits();
+    let mantissa = f32::from_bits((bits & 0x007f_ffff) | 1.0_f32.to_bits());
+    ((bits >> 23) - 127, mantissa - 1.0)
 }
 
 /// Linear values of all bytes: first of those that are linear, then of those that are sRGB-encoded.
@@ -76,21 +168,60 @@ fn floor(value: f32) -> i32 {
 }
 
 impl Sampler {
-    pub(crate) fn new(texture: &Texture) -> Self {
+    fn new(texture: &Texture, chain: Arc<MipChain>) -> Self {
         Self {
-            alpha: texture.image.as_slice().iter().map(|texel| texel[3]).collect(),
-            image: Arc::clone(&texture.image),
-            size: [texture.image.width() as usize, texture.image.height() as usize],
+            chain,
             decode: &decode_tables()[usize::from(texture.srgb)],
             wrap: texture.wrap,
             filter: texture.filter,
+            minification: texture.minification,
         }
     }
 
-    /// Colour and alpha at a point: linear, not multiplied.
-    pub(crate) fn sample(&self, uv: Vec2) -> Vec4 {
-        let texels = self.image.as_slice();
-        let ([a, b, c, d], [fx, fy]) = self.footprint(uv);
+    pub(crate) fn chain(&self) -> &Arc<MipChain> {
+        &self.chain
+    }
+
+    /// Width and height of the image, texels.
+    pub(crate) fn size(&self) -> Vec2 {
+        let [width, height] = self.chain.levels()[0].size;
+        Vec2::new(width as f32, height as f32)
+    }
+
+    /// Colour and alpha at a point: linear, not multiplied. A long footprint is covered by several lookups
+    /// side by side, each as long as the footprint is wide, if [`MOST_PROBES`] are enough for that.
+    pub(crate) fn sample(&self, uv: Vec2, footprint: &Footprint) -> Vec4 {
+        if !(footprint.length > 1.0) {
+            return self.sample_level(0, uv, self.filter);
+        }
+        let probe = footprint.width.max(footprint.length / MOST_PROBES as f32).max(1.0);
+        let gap = (footprint.length - probe) / (footprint.length * (MOST_PROBES - 1) as f32);
+        if !(gap >= LEAST_GAP) || self.minification.levels == LevelFilter::None {
+            return self.sample_round(uv, probe);
+        }
+        // From one end to the other, the middle of all in the middle.
+        let first = uv - footprint.axis * (0.5 * (MOST_PROBES - 1) as f32 * gap);
+        let mut sum = Vec4::ZERO;
+        for index in 0..MOST_PROBES {
+            sum += self.sample_round(first + footprint.axis * (index as f32 * gap), probe);
+        }
+        sum * (1.0 / MOST_PROBES as f32)
+    }
+
+    /// The same with a footprint as wide as it is long, at least one texel.
+    fn sample_round(&self, uv: Vec2, footprint: f32) -> Vec4 {
+        let (level, weight) = self.levels_of(footprint);
+        let texel = self.sample_level(level, uv, self.minification.filter);
+        if weight == 0.0 {
+            return texel;
+        }
+        texel.lerp(self.sample_level(level + 1, uv, self.minification.filter), weight)
+    }
+
+    fn sample_level(&self, level: u32, uv: Vec2, filter: Filter) -> Vec4 {
+        let level = &self.chain.levels()[level as usize];
+        let texels = level.texels.as_slice();
+        let ([a, b, c, d], [fx, fy]) = self.around(level, uv, filter);
         let texel = |index: usize| {
             let [r, g, b, a] = texels[index].map(usize::from);
             Vec4::new(self.decode[r], self.decode[g], self.decode[b], a as f32 / 255.0)
@@ -98,22 +229,54 @@ impl Sampler {
         texel(a).lerp(texel(b), fx).lerp(texel(c).lerp(texel(d), fx), fy)
     }
 
-    /// Alpha, 0 to 1.
+    /// Alpha, 0 to 1, with a footprint as wide as it is long, texels.
     #[inline]
-    pub(crate) fn sample_alpha(&self, uv: Vec2) -> f32 {
-        let ([a, b, c, d], [fx, fy]) = self.footprint(uv);
-        let texel = |index: usize| f32::from(self.alpha[index]);
+    pub(crate) fn sample_alpha(&self, uv: Vec2, footprint: f32) -> f32 {
+        if footprint > 1.0 {
+            return self.minified_alpha(uv, footprint);
+        }
+        self.level_alpha(0, uv, self.filter)
+    }
+
+    fn minified_alpha(&self, uv: Vec2, footprint: f32) -> f32 {
+        let (level, weight) = self.levels_of(footprint);
+        let alpha = self.level_alpha(level, uv, self.minification.filter);
+        if weight == 0.0 {
+            return alpha;
+        }
+        alpha + (self.level_alpha(level + 1, uv, self.minification.filter) - alpha) * weight
+    }
+
+    #[inline]
+    fn level_alpha(&self, level: u32, uv: Vec2, filter: Filter) -> f32 {
+        let level = &self.chain.levels()[level as usize];
+        let ([a, b, c, d], [fx, fy]) = self.around(level, uv, filter);
+        let texel = |index: usize| f32::from(level.alpha[index]);
         let upper = texel(a) + (texel(b) - texel(a)) * fx;
         let lower = texel(c) + (texel(d) - texel(c)) * fx;
         (upper + (lower - upper) * fy) * (1.0 / 255.0)
     }
 
+    /// The level to look up for a footprint of at least a texel, and the weight of the next one; 0 where
+    /// there is none.
+    #[inline]
+    fn levels_of(&self, footprint: f32) -> (u32, f32) {
+        let last = self.chain.levels().len() as u32 - 1;
+        let (level, weight) = level_of(footprint);
+        let (level, weight) = match self.minification.levels {
+            LevelFilter::Linear => (level, weight),
+            LevelFilter::Nearest => (level + u32::from(weight > NEXT_LEVEL), 0.0),
+            LevelFilter::None => (0, 0.0),
+        };
+        if level < last { (level, weight) } else { (last, 0.0) }
+    }
+
     /// The four texels around a place, row by row, and the weights of the right and the lower ones.
     #[inline]
-    fn footprint(&self, uv: Vec2) -> ([usize; 4], [f32; 2]) {
-        let [width, height] = self.size;
-        let ([left, right], fx) = neighbours(uv.x, width, self.wrap[0], self.filter);
-        let ([top, bottom], fy) = neighbours(uv.y, height, self.wrap[1], self.filter);
+    fn around(&self, level: &Level, uv: Vec2, filter: Filter) -> ([usize; 4], [f32; 2]) {
+        let [width, height] = level.size;
+        let ([left, right], fx) = neighbours(uv.x, width, self.wrap[0], filter);
+        let ([top, bottom], fy) = neighbours(uv.y, height, self.wrap[1], filter);
         let (top, bottom) = (top * width, bottom * width);
         ([top + left, top + right, bottom + left, bottom + right], [fx, fy])
     }
@@ -121,18 +284,28 @@ impl Sampler {
 
 #[cfg(test)]
 mod tests {
+    use sheer_image::Image;
+
     use super::*;
+    use crate::model::{Material, TextureRef};
 
     fn sampler(wrap: Wrap, filter: Filter) -> Sampler {
         let image =
             Image::from_fn(2, 1, |x, _| if x == 0 { [0, 0, 0, 0] } else { [255, 255, 255, 255] }).unwrap();
-        Sampler::new(&Texture {
+        let texture = Texture {
             name: String::new(),
             image: Arc::new(image),
             srgb: true,
             wrap: [wrap; 2],
             filter,
-        })
+            minification: Minification::default(),
+        };
+        of(texture)
+    }
+
+    fn of(texture: Texture) -> Sampler {
+        let parts = SceneParts { textures: vec![texture], ..SceneParts::default() };
+        samplers(&parts).remove(0)
     }
 
     #[test]
@@ -140,13 +313,16 @@ mod tests {
         let sampler = sampler(Wrap::Repeat, Filter::Linear);
         for step in -40..40 {
             let uv = Vec2::new(step as f32 * 0.07, 0.3);
-            assert!((sampler.sample(uv).w - sampler.sample_alpha(uv)).abs() < 1e-6);
+            for footprint in [0.0, 1.0, 1.3, 2.0, 5.0, f32::INFINITY, f32::NAN] {
+                let alpha = sampler.sample(uv, &Footprint::round(footprint)).w;
+                assert!((alpha - sampler.sample_alpha(uv, footprint)).abs() < 1e-6);
+            }
         }
     }
 
     #[test]
     fn wrapping_holds_tiles_or_mirrors_the_edge() {
-        let at = |wrap, u| sampler(wrap, Filter::Nearest).sample_alpha(Vec2::new(u, 0.0));
+        let at = |wrap, u| sampler(wrap, Filter::Nearest).sample_alpha(Vec2::new(u, 0.0), 0.0);
         assert_eq!(at(Wrap::ClampToEdge, 7.0), 1.0);
         assert_eq!(at(Wrap::Repeat, 1.2), 0.0);
         assert_eq!(at(Wrap::MirroredRepeat, 1.2), 1.0);
@@ -157,8 +333,113 @@ mod tests {
     fn absurd_coordinates_stay_inside() {
         for wrap in [Wrap::Repeat, Wrap::MirroredRepeat, Wrap::ClampToEdge] {
             for u in [f32::NAN, f32::INFINITY, -1e30, 1e30] {
-                let _ = sampler(wrap, Filter::Linear).sample(Vec2::new(u, u));
+                let _ = sampler(wrap, Filter::Linear).sample(Vec2::new(u, u), &Footprint::POINT);
             }
         }
+    }
+
+    /// A chequerboard of black and white texels.
+    fn chequerboard(minification: Minification) -> Sampler {
+        let image = Image::from_fn(64, 64, |x, y| [if (x + y) % 2 == 0 { 255 } else { 0 }; 4]).unwrap();
+        of(Texture {
+            name: String::new(),
+            image: Arc::new(image),
+            srgb: true,
+            wrap: [Wrap::Repeat; 2],
+            filter: Filter::Linear,
+            minification,
+        })
+    }
+
+    /// Texture coordinates all over the image, in the middles of texels.
+    fn places() -> impl Iterator<Item = Vec2> {
+        (0..64_u16).map(|index| Vec2::new(f32::from(index) + 0.5, f32::from(index * 7 % 64) + 0.5) / 64.0)
+    }
+
+    #[test]
+    fn one_lookup_with_a_footprint_sees_the_mean_of_a_chequerboard_and_one_without_a_texel() {
+        let sampler = chequerboard(Minification::default());
+        for uv in places() {
+            let grey = sampler.sample(uv, &Footprint::round(8.0));
+            // Half the light: as near as a byte comes to it.
+            assert!((grey.x - 0.5).abs() < 0.005 && (grey.w - 0.5).abs() < 0.005, "{grey}");
+            let texel = sampler.sample(uv, &Footprint::POINT);
+            assert!((texel.x - 0.5).abs() > 0.49, "{texel}");
+            let across = Footprint { axis: Vec2::new(8.0 / 64.0, 0.0), length: 8.0, width: 1.0 };
+            let probed = sampler.sample(uv, &across);
+            assert!((probed.x - 0.5).abs() < 0.01, "{probed}");
+        }
+    }
+
+    #[test]
+    fn a_long_footprint_blurs_along_its_axis_alone() {
+        // Stripes of eight texels.
+        let image = Image::from_fn(64, 64, |x, _| [if x / 8 % 2 == 0 { 255 } else { 0 }; 4]).unwrap();
+        let texture = Texture {
+            name: String::new(),
+            image: Arc::new(image),
+            srgb: false,
+            wrap: [Wrap::Repeat; 2],
+            filter: Filter::Linear,
+            minification: Minification::default(),
+        };
+        let sampler = of(texture);
+        let middle = Vec2::new(4.0 / 64.0, 0.3);
+        let strip = |axis: Vec2| Footprint { axis: axis * (8.0 / 64.0), length: 8.0, width: 2.0 };
+        assert!(sampler.sample(middle, &strip(Vec2::Y)).x > 0.99);
+        assert!(sampler.sample(middle + Vec2::new(4.0 / 64.0, 0.0), &strip(Vec2::X)).x < 0.6);
+        assert!(sampler.sample(middle, &Footprint::round(16.0)).x < 0.7, "round, it would blur both ways");
+    }
+
+    #[test]
+    fn levels_follow_the_footprint_without_a_step() {
+        let sampler = chequerboard(Minification::default());
+        let at = |footprint: f32| sampler.sample_alpha(Vec2::splat(0.5 / 64.0), footprint);
+        for edge in [1.0_f32, 2.0, 4.0, 64.0, 128.0] {
+            assert!((at(edge.next_down()) - at(edge.next_up())).abs() < 1e-5, "{edge}");
+        }
+        assert_eq!([1.0, 1.5, 2.0, 7.0].map(level_of), [(0, 0.0), (0, 0.5), (1, 0.0), (2, 0.75)]);
+    }
+
+    #[test]
+    fn a_sampler_without_levels_and_one_that_takes_the_nearest_are_obeyed() {
+        let of = |levels| chequerboard(Minification { filter: Filter::Linear, levels });
+        let (none, nearest) = (of(LevelFilter::None), of(LevelFilter::Nearest));
+        for uv in places() {
+            let far = Footprint { axis: Vec2::new(0.5, 0.0), length: 32.0, width: 8.0 };
+            assert_eq!(none.sample(uv, &far), none.sample(uv, &Footprint::POINT));
+            assert_eq!(none.sample_alpha(uv, 8.0), none.sample_alpha(uv, 0.0));
+            assert_eq!(nearest.sample_alpha(uv, 1.4), nearest.sample_alpha(uv, 0.0));
+            assert!((nearest.sample_alpha(uv, 1.5) - 0.5).abs() < 0.005);
+        }
+        assert_eq!(none.chain.levels().len(), 1);
+    }
+
+    #[test]
+    fn alpha_is_kept_for_the_test_of_the_material_that_has_one() {
+        let mut parts = SceneParts::default();
+        let texture = || Texture {
+            name: String::new(),
+            image: Arc::new(Image::filled(2, 2, [255; 4]).unwrap()),
+            srgb: true,
+            wrap: [Wrap::Repeat; 2],
+            filter: Filter::Linear,
+            minification: Minification::default(),
+        };
+        parts.textures = (0..3).map(|_| texture()).collect();
+        let material = |texture: u32, alpha_mode| Material {
+            base_colour: Vec4::new(1.0, 1.0, 1.0, 0.8),
+            base_colour_texture: Some(TextureRef::new(texture)),
+            alpha_mode,
+            ..Material::default()
+        };
+        parts.materials = vec![
+            material(0, AlphaMode::Blend),
+            material(0, AlphaMode::Mask { cutoff: 0.4 }),
+            material(0, AlphaMode::Mask { cutoff: 0.6 }),
+            material(1, AlphaMode::Opaque),
+            material(2, AlphaMode::Mask { cutoff: 0.9 }),
+        ];
+        assert_eq!(alpha_uses(&parts), [AlphaUse::Test { cutoff: 0.5 }, AlphaUse::None, AlphaUse::Blend]);
     }
 }

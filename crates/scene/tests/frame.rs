@@ -6,13 +6,16 @@ use std::sync::Arc;
 use glam::{Affine3A, Quat, Vec2, Vec3, Vec4};
 use sheer_image::Image;
 use sheer_scene::{
-    Animator, Camera, CameraChoice, FaceSide, Frame, Scene,
+    Animator, Beam, Camera, CameraChoice, FaceSide, Frame, Scene,
     model::{
         AlphaMode, Animation, Channel, Influence, Instance, Interpolation, Keys, Material, Mesh, MorphTarget,
         Node, SceneParts, Skin, Texture, TextureRef, Track, Transform, Wrap,
     },
     particle::{Particle, ParticleSystem, Turbulence},
 };
+
+/// It sees the texels of textures themselves.
+const BEAM: Beam = Beam { direction: Vec3::NEG_Z, width: 0.0 };
 
 /// A quad in the xy plane, two triangles, facing +Z.
 fn quad() -> Mesh {
@@ -81,9 +84,9 @@ fn surfaces_know_where_they_were() {
     let mut parts = parts_with(quad(), Material::default(), Transform::IDENTITY);
     parts.animations = sliding([Vec3::ZERO, Vec3::new(2.0, 0.0, 0.0)]);
     let mut animator = animator(parts);
-    let surface = animator.advance(0.5, 0.25).surface(0, 0.2, 0.3, true);
+    let surface = animator.advance(0.5, 0.25).surface(0, 0.2, 0.3, true, BEAM);
     assert!((surface.position - surface.previous_position - Vec3::new(0.5, 0.0, 0.0)).length() < 1e-6);
-    let surface = animator.advance(0.5, 0.5).surface(0, 0.2, 0.3, true);
+    let surface = animator.advance(0.5, 0.5).surface(0, 0.2, 0.3, true, BEAM);
     assert_eq!(surface.position, surface.previous_position);
 }
 
@@ -98,10 +101,10 @@ fn a_mirrored_instance_shows_its_front_where_it_was_mirrored_to() {
     let frame = frame.frame();
     // Seen from +Z the mirrored triangle runs clockwise, and is still the front.
     assert_eq!(frame.side(0, false), FaceSide::Front);
-    assert_eq!(frame.opacity_for_camera(0, 0.3, 0.3, false), 1.0);
-    assert_eq!(frame.opacity_for_camera(0, 0.3, 0.3, true), 0.0, "single-sided");
-    assert_eq!(frame.opacity(0, 0.3, 0.3), 1.0, "light is stopped by either side");
-    let surface = frame.surface(0, 0.3, 0.3, false);
+    assert_eq!(frame.opacity_for_camera(0, 0.3, 0.3, false, 0.0), 1.0);
+    assert_eq!(frame.opacity_for_camera(0, 0.3, 0.3, true, 0.0), 0.0, "single-sided");
+    assert_eq!(frame.opacity(0, 0.3, 0.3, 0.0), 1.0, "light is stopped by either side");
+    let surface = frame.surface(0, 0.3, 0.3, false, BEAM);
     assert!((surface.normal - Vec3::Z).length() < 1e-6, "{surface:?}");
 }
 
@@ -115,6 +118,7 @@ fn alpha_modes_mean_what_they_say() {
         srgb: true,
         wrap: [Wrap::ClampToEdge; 2],
         filter: sheer_scene::model::Filter::Nearest,
+        minification: sheer_scene::model::Minification::default(),
     };
     let opacities = |alpha_mode, whole: Option<f32>| {
         let material = Material {
@@ -130,7 +134,7 @@ fn alpha_modes_mean_what_they_say() {
         let camera = scene.camera(&CameraChoice::Default).unwrap();
         let animator = Animator::new(scene, camera);
         // The second triangle's corners lie at u = 0, 1, 0: near the first and near the second.
-        [animator.frame().opacity(1, 0.05, 0.05), animator.frame().opacity(1, 0.9, 0.05)]
+        [animator.frame().opacity(1, 0.05, 0.05, 0.0), animator.frame().opacity(1, 0.9, 0.05, 0.0)]
     };
     let close = |found: [f32; 2], expected: [f32; 2]| {
         assert!((found[0] - expected[0]).abs() < 1e-6 && (found[1] - expected[1]).abs() < 1e-6, "{found:?}");
@@ -162,7 +166,7 @@ fn skins_and_morphs_bend_positions_and_normals() {
     parts.instances[0].skin = Some(0);
     parts.instances[0].morph_weights = vec![0.5];
     let animator = animator(parts);
-    let surface = animator.frame().surface(0, 0.0, 0.0, true);
+    let surface = animator.frame().surface(0, 0.0, 0.0, true, BEAM);
     // Morphed to z = 0.5, then turned so that z becomes x, then lifted; the node's own place does not count.
     assert!((surface.position - Vec3::new(0.5, 0.0, 1.0)).length() < 1e-5, "{:?}", surface.position);
     assert!((surface.normal - Vec3::X).length() < 1e-5, "{:?}", surface.normal);
@@ -217,8 +221,8 @@ fn particles_face_the_camera_live_and_die_and_keep_their_identity() {
     let [a, b, c] = frame.triangles()[triangle as usize];
     let normal = (b - a).cross(c - a).normalize();
     assert!((normal + frame.camera().forward()).length() < 1e-5, "{normal}");
-    assert!((frame.opacity(triangle, 0.2, 0.2) - 0.4).abs() < 1e-6);
-    let surface = frame.surface(triangle, 0.2, 0.2, true);
+    assert!((frame.opacity(triangle, 0.2, 0.2, 0.0) - 0.4).abs() < 1e-6);
+    let surface = frame.surface(triangle, 0.2, 0.2, true, BEAM);
     assert!((surface.position - surface.previous_position - Vec3::X * 0.1).length() < 1e-5);
 }
 
@@ -275,7 +279,7 @@ fn light_takes_the_colour_of_what_it_shines_through() {
         let animator = Animator::new(scene, camera);
         let frame = animator.frame();
         assert_eq!(frame.tints_light(), transmission > 0.0);
-        let found = frame.light_through(0, 0.3, 0.3, frame.opacity(0, 0.3, 0.3));
+        let found = frame.light_through(0, 0.3, 0.3, frame.opacity(0, 0.3, 0.3, 0.0), 0.0);
         found.to_array().map(|channel| (channel * 1e4).round() / 1e4)
     };
     // No transmission: grey. Glass all over the surface: its transmission times its colour. Glass over half

@@ -16,6 +16,9 @@
 var<private> texel_number: u32;
 var<private> texel_key: u32;
 var<private> texel_first: u32;
+// Its light, and its face among those of the light.
+var<private> texel_light: u32;
+var<private> texel_face: u32;
 // Depth of the first opaque surface.
 var<private> opaque_depth: f32;
 // Of all transparent ones before that: transmittance, and the depth of the last.
@@ -23,7 +26,7 @@ var<private> blockers_through: vec3f;
 var<private> last_blocker: f32;
 
 fn visit_first_opaque(hit: Hit) -> u32 {
-    if opacity(hit.triangle, hit.u, hit.v) < 1.0 {
+    if opacity(hit.triangle, hit.u, hit.v, texel_side(texel_light, texel_face, hit.t)) < 1.0 {
         return GO_ON;
     }
     opaque_depth = min(opaque_depth, hit.t);
@@ -31,11 +34,12 @@ fn visit_first_opaque(hit: Hit) -> u32 {
 }
 
 fn visit_blocker(hit: Hit) -> u32 {
-    let alpha = opacity(hit.triangle, hit.u, hit.v);
+    let width = texel_side(texel_light, texel_face, hit.t);
+    let alpha = opacity(hit.triangle, hit.u, hit.v, width);
     if hit.t >= opaque_depth || alpha >= 1.0 || alpha < MIN_ALPHA {
         return GO_ON;
     }
-    let through = light_through(hit.triangle, hit.u, hit.v, alpha);
+    let through = light_through(hit.triangle, hit.u, hit.v, alpha, width);
     blockers_through *= through;
     last_blocker = select(max(last_blocker, hit.t), hit.t, last_blocker == FAR_AWAY);
     let random = pcg4d(vec4u(texel_number, hit.triangle, texel_key, 0u));
@@ -106,7 +110,9 @@ fn cs_shadow_map(@builtin(global_invocation_id) id: vec3u) {
     texel_number = id.y * side + id.x;
     texel_key = shadow_lights[light].key;
     texel_first = (shadow_lights[light].first_texel + texel_number) * shadow_stride();
-    let ray = light_ray(light, id.y / side, vec2f(f32(id.x), f32(id.y % side)) + 0.5);
+    texel_light = light;
+    texel_face = id.y / side;
+    let ray = light_ray(light, texel_face, vec2f(f32(id.x), f32(id.y % side)) + 0.5);
     opaque_depth = FAR_AWAY;
     traverse_first_opaque(ray.origin, ray.direction, 0.0, FAR_AWAY);
     // A corrected map keeps the opaque surface apart from the samples, as the paper says it has to.

@@ -7,6 +7,8 @@ struct Query {
     u: f32,
     v: f32,
     counter_clockwise: u32,
+    direction: vec3f,
+    width: f32,
 }
 
 @group(GROUP_PASS) @binding(BIND_PROBE_IN) var<storage, read> queries: array<Query>;
@@ -33,10 +35,12 @@ fn cs_probe(@builtin(global_invocation_id) id: vec3u) {
     next_answer = id.x * ANSWER_LENGTH;
     let query = queries[id.x];
     let counter_clockwise = query.counter_clockwise != 0u;
-    let surface = surface_at(Hit(1.0, query.u, query.v, query.triangle, counter_clockwise));
-    let alpha = opacity(query.triangle, query.u, query.v);
+    let surface = surface_at(
+        Hit(1.0, query.u, query.v, query.triangle, counter_clockwise), Beam(query.direction, query.width),
+    );
+    let alpha = opacity(query.triangle, query.u, query.v, query.width);
     answer(alpha);
-    answer(opacity_for_camera(query.triangle, query.u, query.v, counter_clockwise));
+    answer(opacity_for_camera(query.triangle, query.u, query.v, counter_clockwise, query.width));
     answer(f32(surface.front));
     answer(surface.metallic);
     answer(surface.roughness);
@@ -47,7 +51,7 @@ fn cs_probe(@builtin(global_invocation_id) id: vec3u) {
     answer3(surface.position);
     answer3(surface.previous_position);
     answer3(surface.emissive);
-    answer3(light_through(query.triangle, query.u, query.v, alpha));
+    answer3(light_through(query.triangle, query.u, query.v, alpha, query.width));
     let corners = corners_in_object(query.triangle);
     answer3(corners[0]);
     answer3(corners[1]);

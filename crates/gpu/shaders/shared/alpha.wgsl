@@ -3,7 +3,7 @@
 
 // Opacity for the camera; 0 where it is less than anyone would see.
 fn alpha_of(hit: Hit) -> f32 {
-    let alpha = opacity_for_camera(hit.triangle, hit.u, hit.v, hit.front);
+    let alpha = opacity_for_camera(hit.triangle, hit.u, hit.v, hit.front, pixel_width_at(hit.t));
     return select(0.0, alpha, alpha >= MIN_ALPHA);
 }
 

@@ -11,6 +11,8 @@ struct Receiver {
     to_light: vec3f,
     // To the light, world units; FAR_AWAY of a directional light.
     distance: f32,
+    // Of the beam that sees the point, world units; a beam to a light keeps it.
+    width: f32,
     // Makes random taps differ from fragment to fragment: the pixel, and what is hit in it.
     key: vec3u,
 }

@@ -42,17 +42,17 @@ fn is_opaque(triangle: u32) -> bool {
 }
 
 // Opacity of a point of a triangle, 0 to 1; `u` and `v` are the barycentric weights of the second and third
-// vertex.
-fn opacity(triangle: u32, u: f32, v: f32) -> f32 {
+// vertex, `width` is that of the beam that sees it, world units.
+fn opacity(triangle: u32, u: f32, v: f32, width: f32) -> f32 {
     let slot = triangles[triangle].y;
     if (slot & OPAQUE) != 0u {
         return 1.0;
     }
-    return table_opacity(slot, u, v);
+    return table_opacity(slot, u, v, width);
 }
 
 // The same for a camera ray: the back of a single-sided surface is not there.
-fn opacity_for_camera(triangle: u32, u: f32, v: f32, counter_clockwise: bool) -> f32 {
+fn opacity_for_camera(triangle: u32, u: f32, v: f32, counter_clockwise: bool, width: f32) -> f32 {
     let slot = triangles[triangle].y;
     let front = counter_clockwise != ((slot & MIRRORED) != 0u);
     if (slot & SINGLE_SIDED) != 0u && !front {
@@ -61,10 +61,10 @@ fn opacity_for_camera(triangle: u32, u: f32, v: f32, counter_clockwise: bool) ->
     if (slot & OPAQUE) != 0u {
         return 1.0;
     }
-    return table_opacity(slot, u, v);
+    return table_opacity(slot, u, v, width);
 }
 
-fn table_opacity(slot: u32, u: f32, v: f32) -> f32 {
+fn table_opacity(slot: u32, u: f32, v: f32, width: f32) -> f32 {
     let entry = slot & SLOT;
     let w = 1.0 - u - v;
     // From the first vertex on, not as a weighted sum: three equal alphas give exactly theirs, so that 1
@@ -76,7 +76,7 @@ fn table_opacity(slot: u32, u: f32, v: f32) -> f32 {
     let texture = opacities[entry].texture;
     if texture != NO_TEXTURE {
         let uv = w * opacities[entry].uv[0] + u * opacities[entry].uv[1] + v * opacities[entry].uv[2];
-        alpha *= sample_alpha(texture, uv);
+        alpha *= sample_alpha(texture, uv, width * opacities[entry].texel_density);
     }
     let cutoff = opacities[entry].cutoff;
     if cutoff >= 0.0 {

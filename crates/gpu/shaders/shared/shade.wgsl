@@ -1,5 +1,6 @@
 // Shading: glTF metallic-roughness under punctual lights with shadows, and the environment. Twin of
 // crates/render/src/cpu/shade.rs.
+#import shared/camera
 #import shared/environment
 #import shared/frame
 #import shared/hit
@@ -34,7 +35,10 @@ struct Reflectance {
 
 // Linear radiance times exposure that leaves a hit towards the camera.
 fn shade(ray: CameraRay, hit: Hit, pixel: vec2u) -> vec3f {
-    let surface = surface_at(hit);
+    // As wide as a pixel is at the depth of the hit, which is nearer than the hit itself towards corners.
+    let position = position_at(hit.triangle, vec3f(1.0 - hit.u - hit.v, hit.u, hit.v));
+    let beam = Beam(ray.direction, pixel_width_at(view_depth(position)));
+    let surface = surface_at(hit, beam);
     let to_viewer = -ray.direction;
     if surface.model == MODEL_UNLIT {
         return surface.base_colour * frame.exposure;
@@ -63,13 +67,13 @@ fn shade(ray: CameraRay, hit: Hit, pixel: vec2u) -> vec3f {
         let ambient = reflectance.diffuse * diffuse + environment_specular(reflectance) * specular;
         radiance += ambient * surface.occlusion;
     }
-    radiance += lit(surface, to_viewer, vec3u(pixel, hit.triangle));
+    radiance += lit(surface, to_viewer, beam.width, vec3u(pixel, hit.triangle));
     return radiance * frame.exposure;
 }
 
 // Sum over all lights: irradiance × response × transmittance; shadows are looked for wherever the surface can
-// respond.
-fn lit(surface: Surface, to_viewer: vec3f, key: vec3u) -> vec3f {
+// respond, with beams of `width`, world units.
+fn lit(surface: Surface, to_viewer: vec3f, width: f32, key: vec3u) -> vec3f {
     var sum = vec3f(0.0);
     for (var index = 0u; index < frame.light_count; index++) {
         let incident = arriving(index, surface.position);
@@ -77,7 +81,7 @@ fn lit(surface: Surface, to_viewer: vec3f, key: vec3u) -> vec3f {
             continue;
         }
         let receiver = Receiver(
-            surface.position, surface.geometric_normal, incident.to_light, incident.distance, key,
+            surface.position, surface.geometric_normal, incident.to_light, incident.distance, width, key,
         );
         let transmittance = shadow_transmittance(index, receiver);
         sum += incident.irradiance * response(surface, to_viewer, incident.to_light) * transmittance;

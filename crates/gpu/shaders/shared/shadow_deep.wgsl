@@ -9,6 +9,8 @@
 
 // What is left of the light.
 var<private> light_left: vec3f;
+// Of the beam to the light, world units.
+var<private> light_width: f32;
 
 // Transmittance of everything between a point and a light; every light has the same rays.
 fn shadow_transmittance(light: u32, receiver: Receiver) -> vec3f {
@@ -18,6 +20,7 @@ fn shadow_transmittance(light: u32, receiver: Receiver) -> vec3f {
     let origin = receiver.position + receiver.normal * (side * lifted);
     let distance = receiver.distance - 2.0 * lifted;
     light_left = vec3f(1.0);
+    light_width = receiver.width;
     counted_shadow_rays += 1u;
     // A ray that ends before it begins is not allowed to be asked for.
     if distance > 0.0 {
@@ -27,10 +30,10 @@ fn shadow_transmittance(light: u32, receiver: Receiver) -> vec3f {
 }
 
 fn visit_shadow(hit: Hit) -> u32 {
-    let alpha = opacity(hit.triangle, hit.u, hit.v);
+    let alpha = opacity(hit.triangle, hit.u, hit.v, light_width);
     if alpha >= MIN_ALPHA {
         if frame.tinted != 0u {
-            light_left *= light_through(hit.triangle, hit.u, hit.v, alpha);
+            light_left *= light_through(hit.triangle, hit.u, hit.v, alpha, light_width);
         } else {
             light_left *= 1.0 - alpha;
         }

@@ -46,6 +46,15 @@ fn light_ray(light: u32, face_of_light: u32, at: vec2f) -> LightRay {
     return LightRay(face.origin, normalized(sum_in_order(face.right * beside.x, face.up * beside.y, face.forward)));
 }
 
+// The longer side of a texel of a face at a depth, world units.
+fn texel_side(light: u32, face_of_light: u32, depth: f32) -> f32 {
+    let face = shadow_faces[shadow_lights[light].first_face + face_of_light];
+    if face.is_central == 0u {
+        return max(face.width, face.height);
+    }
+    return 2.0 / f32(shadow_lights[light].side) * face.width * depth;
+}
+
 // The face that a point lies in front of.
 fn face_towards(light: u32, point: vec3f) -> u32 {
     var best = 0u;

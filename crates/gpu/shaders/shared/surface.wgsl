@@ -25,6 +25,21 @@ struct Surface {
     model: u32,
 }
 
+// A ray and how wide it is where it meets a surface: what textures are looked up with.
+struct Beam {
+    // Unit direction, world.
+    direction: vec3f,
+    // Across it, world units.
+    width: f32,
+}
+
+// The ellipse on a triangle that a beam covers: twin of `Ellipse` in crates/scene/src/frame/footprint.rs. Its
+// axes from end to end, in lengths of the triangle's second and third edge from the first corner.
+struct Ellipse {
+    along: vec2f,
+    across: vec2f,
+}
+
 // Vertex attributes at a point of a triangle.
 struct Attributes {
     object: u32,
@@ -84,7 +99,7 @@ fn previous_position_at(triangle: u32, weights: vec3f) -> vec3f {
     return weigh3(weights, previous_corners_in_world(triangle));
 }
 
-fn surface_at(hit: Hit) -> Surface {
+fn surface_at(hit: Hit, beam: Beam) -> Surface {
     let triangle = hit.triangle;
     let weights = vec3f(1.0 - hit.u - hit.v, hit.u, hit.v);
     let corners = corners_in_world(triangle);
@@ -109,7 +124,7 @@ fn surface_at(hit: Hit) -> Surface {
     surface.emissive = materials[material].emissive;
     surface.occlusion = 1.0;
     surface.model = materials[material].model;
-    surface = apply_textures(material, found, surface);
+    surface = apply_textures(material, found, beam, surface);
     if !front && surface.model != MODEL_SMOKE && surface.model != MODEL_FIBRE {
         surface.normal = -surface.normal;
     }
@@ -192,17 +207,77 @@ fn transform_uv(used: TextureUse, uv: vec2f) -> vec2f {
     return used.x_axis * uv.x + used.y_axis * uv.y + used.translation;
 }
 
+fn texture_size(texture: u32) -> vec2f {
+    return vec2f(textures[texture].size);
+}
+
+// Where a beam meets a triangle.
+fn ellipse_of(corners: array<vec3f, 3>, beam: Beam) -> Ellipse {
+    let to_b = corners[1] - corners[0];
+    let to_c = corners[2] - corners[0];
+    let area_normal = cross(to_b, to_c);
+    let square = dot(area_normal, area_normal);
+    let normal = area_normal * (1.0 / sqrt(square));
+    // Across the beam it is as wide as the beam, along it longer.
+    var across = cross(normal, beam.direction);
+    if !(dot(across, across) > HEAD_ON) {
+        across = to_b;
+    }
+    across = normalize_or(across, vec3f(0.0));
+    let along = cross(normal, across);
+    let stretch = 1.0 / max(abs(dot(normal, beam.direction)), LEAST_GRAZING);
+    let to_edges = 1.0 / square;
+    return Ellipse(
+        in_edges(along * (beam.width * stretch), to_b, to_c, area_normal) * to_edges,
+        in_edges(across * beam.width, to_b, to_c, area_normal) * to_edges,
+    );
+}
+
+fn in_edges(axis: vec3f, to_b: vec3f, to_c: vec3f, area_normal: vec3f) -> vec2f {
+    return vec2f(dot(cross(axis, to_c), area_normal), dot(cross(to_b, axis), area_normal));
+}
+
+// What a lookup by the coordinates of the corners sees of a texture of a size.
+fn footprint_of(ellipse: Ellipse, uvs: array<vec2f, 3>, size: vec2f) -> Footprint {
+    let to_b = uvs[1] - uvs[0];
+    let to_c = uvs[2] - uvs[0];
+    let along = to_b * ellipse.along.x + to_c * ellipse.along.y;
+    let across = to_b * ellipse.across.x + to_c * ellipse.across.y;
+    let length_along = length(along * size);
+    let length_across = length(across * size);
+    // Stretched coordinates may make the shorter axis the longer one.
+    if length_along >= length_across {
+        return Footprint(along, length_along, length_across);
+    }
+    return Footprint(across, length_across, length_along);
+}
+
+// Texels along a world unit of a triangle whose corners have texture coordinates, in a texture of a size; 0
+// for a triangle without an area.
+fn texel_density(corners: array<vec3f, 3>, uvs: array<vec2f, 3>, size: vec2f) -> f32 {
+    let area = length(cross(corners[1] - corners[0], corners[2] - corners[0]));
+    let to_b = uvs[1] - uvs[0];
+    let to_c = uvs[2] - uvs[0];
+    let uv_area = abs(to_b.x * to_c.y - to_b.y * to_c.x);
+    if !(area > 0.0) {
+        return 0.0;
+    }
+    return sqrt(uv_area * size.x * size.y / area);
+}
+
 // Multiplies textures into the surface and bends its normal. One after the other in a loop: a driver that
 // inlines everything compiles the lookup once instead of five times.
-fn apply_textures(material: u32, found: Attributes, bare: Surface) -> Surface {
+fn apply_textures(material: u32, found: Attributes, beam: Beam, bare: Surface) -> Surface {
     var surface = bare;
+    let ellipse = ellipse_of(found.corners, beam);
     for (var index = 0u; index < TEXTURE_COUNT; index++) {
         let used = materials[material].textures[index];
         if used.texture == NONE {
             continue;
         }
         let uvs = corner_uvs(found, used);
-        let texel = sample(used.texture, weigh2(found.weights, uvs));
+        let footprint = footprint_of(ellipse, uvs, texture_size(used.texture));
+        let texel = sample(used.texture, weigh2(found.weights, uvs), footprint);
         switch index {
             case TEXTURE_BASE_COLOUR: {
                 surface.base_colour *= texel.rgb;
@@ -257,15 +332,15 @@ fn handedness(found: Attributes, uv_area: f32) -> f32 {
     return -(signum(uv_area) * signum(dot(winding, found.normal)));
 }
 
-// Share of the light, red, green and blue, that passes a point of a triangle whose opacity there is `alpha`
-// (McGuire and Enderton 2011, section 2; see `Frame::light_through`).
-fn light_through(triangle: u32, u: f32, v: f32, alpha: f32) -> vec3f {
+// Share of the light, red, green and blue, that passes a point of a triangle whose opacity there is `alpha`,
+// in a beam of a width (McGuire and Enderton 2011, section 2; see `Frame::light_through`).
+fn light_through(triangle: u32, u: f32, v: f32, alpha: f32, width: f32) -> vec3f {
     if (triangles[triangle].y & TINTED) == 0u {
         return vec3f(1.0 - alpha);
     }
     let object = triangles[triangle].x;
     let transmission = materials[objects[object].material].transmission;
-    let base_colour = clamp(base_colour_at(object, triangle, u, v), vec3f(0.0), vec3f(1.0));
+    let base_colour = clamp(base_colour_at(object, triangle, u, v, width), vec3f(0.0), vec3f(1.0));
     let coverage = alpha / (1.0 - transmission);
     if coverage <= 1.0 {
         return 1.0 - coverage * (1.0 - transmission * base_colour);
@@ -273,8 +348,8 @@ fn light_through(triangle: u32, u: f32, v: f32, alpha: f32) -> vec3f {
     return (1.0 - alpha) * base_colour;
 }
 
-// The base colour of `surface_at` alone.
-fn base_colour_at(object: u32, triangle: u32, u: f32, v: f32) -> vec3f {
+// The base colour of a surface alone, in a beam that meets it head on: twin of `Frame::base_colour`.
+fn base_colour_at(object: u32, triangle: u32, u: f32, v: f32, width: f32) -> vec3f {
     let weights = vec3f(1.0 - u - v, u, v);
     let found = attributes_at(object, triangle, weights, corners_in_world(triangle), vec3f(0.0));
     let material = objects[object].material;
@@ -283,5 +358,7 @@ fn base_colour_at(object: u32, triangle: u32, u: f32, v: f32) -> vec3f {
     if used.texture == NONE {
         return bare;
     }
-    return bare * sample(used.texture, weigh2(weights, corner_uvs(found, used))).rgb;
+    let uvs = corner_uvs(found, used);
+    let density = texel_density(found.corners, uvs, texture_size(used.texture));
+    return bare * sample(used.texture, weigh2(weights, uvs), round_footprint(width * density)).rgb;
 }

@@ -1,26 +1,27 @@
-//! All textures of a scene in the layers of one array texture.
+//! All textures of a scene, with their levels, in the layers of one array texture.
 //!
 //! Shaders then reach every texture by arithmetic, without the binding arrays that many adapters lack. Texels
 //! are read one by one and weighted in the shader, so that neighbours need no gap between them.
 
-use std::{collections::HashMap, sync::Arc};
+use std::{collections::HashMap, iter::zip, sync::Arc};
 
 use etagere::{AtlasAllocator, size2};
-use sheer_image::Image;
-use sheer_scene::model::Texture;
+use sheer_scene::{MipChain, Scene, model::Texture};
 
 use crate::error::GpuError;
 
 /// Least side of a layer: small textures share a few layers instead of taking one each.
 const LEAST_SIDE: u32 = 1024;
 
-/// Where a texture lies in the atlas.
+/// Where an image lies in the atlas.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Region {
     /// Index of the layer of the array texture.
     pub(crate) layer: u32,
     /// Column and row of the upper left texel in the layer.
     pub(crate) origin: [u32; 2],
+    /// Width and height, texels.
+    pub(crate) size: [u32; 2],
 }
 
 /// An arrangement of textures.
@@ -30,18 +31,44 @@ pub(crate) struct Atlas {
     pub(crate) side: u32,
     /// How many layers, at least 1.
     pub(crate) layers: u32,
-    /// One a texture; textures that share an image share a region.
-    pub(crate) regions: Vec<Region>,
-    /// One a different image: the index of the first texture that has it.
+    /// Of each texture the image, then its levels; textures that share levels share regions.
+    pub(crate) regions: Vec<Vec<Region>>,
+    /// Of each texture the first one that has the same levels.
+    pub(crate) owners: Vec<usize>,
+    /// The textures that are their own owners.
     pub(crate) stored: Vec<usize>,
 }
 
+/// Images of a texture that stand one below the other: the texture's own alone, or all levels after it.
+struct Column {
+    texture: usize,
+    /// Index of the first among the levels.
+    first: usize,
+    sizes: Vec<[u32; 2]>,
+}
+
+impl Column {
+    /// The two of a texture; the second is empty where there are no levels.
+    fn of(texture: usize, chain: &MipChain) -> [Self; 2] {
+        let mut sizes: Vec<[u32; 2]> = chain.images().map(|image| image.size().into()).collect();
+        let levels = sizes.split_off(1);
+        [Self { texture, first: 0, sizes }, Self { texture, first: 1, sizes: levels }]
+    }
+
+    /// Height and width of all together: the first is the widest.
+    fn extent(&self) -> (u32, u32) {
+        let height = self.sizes.iter().map(|[_, height]| height).sum();
+        (height, self.sizes.first().map_or(0, |[width, _]| *width))
+    }
+}
+
 impl Atlas {
-    /// Finds a region for each image, as few layers as shelves of them need.
+    /// Finds a region for each image and each level, as few layers as shelves of them need.
     ///
     /// # Errors
     /// [`GpuError::Limit`] names the texture that is too large or for which no layer is left.
-    pub(crate) fn new(textures: &[Texture], limits: &wgpu::Limits) -> Result<Self, GpuError> {
+    pub(crate) fn new(scene: &Scene, limits: &wgpu::Limits) -> Result<Self, GpuError> {
+        let textures = &scene.parts().textures;
         let longest = |texture: &Texture| texture.image.width().max(texture.image.height());
         let most = limits.max_texture_dimension_2d;
         for texture in textures {
@@ -55,48 +82,60 @@ impl Atlas {
             }
         }
         let Some(largest) = textures.iter().map(longest).max() else {
-            return Ok(Self { side: 1, layers: 1, regions: Vec::new(), stored: Vec::new() });
+            return Ok(Self {
+                side: 1,
+                layers: 1,
+                regions: Vec::new(),
+                owners: Vec::new(),
+                stored: Vec::new(),
+            });
         };
         let side = largest.max(LEAST_SIDE).next_power_of_two().min(most);
 
         // Tall ones first, which packs shelves best; equals in the order of the scene, so that the
         // arrangement is always the same.
-        let mut first_with: HashMap<*const Image<[u8; 4]>, usize> = HashMap::new();
-        let owners: Vec<usize> = (0..textures.len())
-            .map(|index| *first_with.entry(Arc::as_ptr(&textures[index].image)).or_insert(index))
+        let mut first_with: HashMap<*const MipChain, usize> = HashMap::new();
+        let owners: Vec<usize> = scene
+            .mip_chains()
+            .enumerate()
+            .map(|(index, chain)| *first_with.entry(Arc::as_ptr(chain)).or_insert(index))
             .collect();
-        let mut stored: Vec<usize> = (0..textures.len()).filter(|&index| owners[index] == index).collect();
-        stored.sort_by_key(|&index| {
-            let (width, height) = textures[index].image.size();
-            std::cmp::Reverse((height, width))
-        });
+        let stored: Vec<usize> = (0..textures.len()).filter(|&index| owners[index] == index).collect();
+        let chains: Vec<_> = scene.mip_chains().collect();
+        let mut columns: Vec<Column> =
+            stored.iter().flat_map(|&index| Column::of(index, chains[index])).collect();
+        columns.retain(|column| !column.sizes.is_empty());
+        columns.sort_by_key(|column| std::cmp::Reverse(column.extent()));
 
         let mut layers: Vec<AtlasAllocator> = Vec::new();
-        let mut regions = vec![Region::default(); textures.len()];
-        for &index in &stored {
-            regions[index] = allocate(&mut layers, side, textures[index].image.size());
+        let mut regions: Vec<Vec<Region>> =
+            chains.iter().map(|chain| vec![Region::default(); chain.images().len()]).collect();
+        for column in &columns {
+            let Region { layer, origin: [x, mut y], .. } = allocate(&mut layers, side, column.extent());
             if layers.len() as u64 > u64::from(limits.max_texture_array_layers) {
                 return Err(GpuError::Limit {
-                    what: format!("the texture atlas, in layers up to texture '{}',", textures[index].name),
+                    what: format!(
+                        "the texture atlas, in layers up to texture '{}',",
+                        textures[column.texture].name
+                    ),
                     needed: layers.len() as u64,
                     limit: limits.max_texture_array_layers.into(),
                     instead: "take smaller or fewer textures, or --backend cpu".to_owned(),
                 });
             }
+            for (region, &size) in regions[column.texture][column.first..].iter_mut().zip(&column.sizes) {
+                *region = Region { layer, origin: [x, y], size };
+                y += size[1];
+            }
         }
         for (index, &owner) in owners.iter().enumerate() {
-            regions[index] = regions[owner];
+            regions[index] = regions[owner].clone();
         }
-        Ok(Self { side, layers: layers.len() as u32, regions, stored })
+        Ok(Self { side, layers: layers.len() as u32, regions, owners, stored })
     }
 
     /// Makes the texture and sends every image.
-    pub(crate) fn upload(
-        &self,
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-        textures: &[Texture],
-    ) -> wgpu::Texture {
+    pub(crate) fn upload(&self, device: &wgpu::Device, queue: &wgpu::Queue, scene: &Scene) -> wgpu::Texture {
         let atlas = device.create_texture(&wgpu::TextureDescriptor {
             label: Some("scene atlas"),
             size: extent(self.side, self.side, self.layers),
@@ -107,9 +146,9 @@ impl Atlas {
             usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
             view_formats: &[],
         });
-        for &index in &self.stored {
-            let (width, height) = textures[index].image.size();
-            let Region { layer, origin: [x, y] } = self.regions[index];
+        let chains: Vec<_> = scene.mip_chains().collect();
+        let stored = self.stored.iter().flat_map(|&index| zip(&self.regions[index], chains[index].images()));
+        for (&Region { layer, origin: [x, y], size: [width, height] }, image) in stored {
             queue.write_texture(
                 wgpu::TexelCopyTextureInfo {
                     texture: &atlas,
@@ -117,7 +156,7 @@ impl Atlas {
                     origin: wgpu::Origin3d { x, y, z: layer },
                     aspect: wgpu::TextureAspect::All,
                 },
-                textures[index].image.as_slice().as_flattened(),
+                image.as_slice().as_flattened(),
                 wgpu::TexelCopyBufferLayout {
                     offset: 0,
                     bytes_per_row: Some(4 * width),
@@ -139,8 +178,9 @@ fn extent(width: u32, height: u32, depth_or_array_layers: u32) -> wgpu::Extent3d
     wgpu::Extent3d { width, height, depth_or_array_layers }
 }
 
-/// A region for an image that fits into an empty layer, in the first layer with room or in a new one.
-fn allocate(layers: &mut Vec<AtlasAllocator>, side: u32, (width, height): (u32, u32)) -> Region {
+/// A region for a column, by height and width, that fits into an empty layer: in the first layer with room or
+/// in a new one.
+fn allocate(layers: &mut Vec<AtlasAllocator>, side: u32, (height, width): (u32, u32)) -> Region {
     let size = size2(width as i32, height as i32);
     let found = layers
         .iter_mut()
@@ -148,10 +188,10 @@ fn allocate(layers: &mut Vec<AtlasAllocator>, side: u32, (width, height): (u32, 
         .find_map(|(layer, allocator)| allocator.allocate(size).map(|allocation| (layer, allocation)));
     let (layer, allocation) = found.unwrap_or_else(|| {
         let mut allocator = AtlasAllocator::new(size2(side as i32, side as i32));
-        let allocation = allocator.allocate(size).expect("no image is larger than a layer");
+        let allocation = allocator.allocate(size).expect("no column is larger than a layer");
         layers.push(allocator);
         (layers.len() - 1, allocation)
     });
     let corner = allocation.rectangle.min;
-    Region { layer: layer as u32, origin: [corner.x as u32, corner.y as u32] }
+    Region { layer: layer as u32, origin: [corner.x as u32, corner.y as u32], size: [width, height] }
 }

@@ -78,11 +78,9 @@ impl SceneBuffers {
             .iter()
             .map(|mesh| MeshOffsets::append(mesh, &mut attributes, &mut indices))
             .collect();
-        let atlas = Atlas::new(&parts.textures, &device.limits())?;
+        let atlas = Atlas::new(frame.scene(), &device.limits())?;
         let materials: Vec<_> = parts.materials.iter().map(Material::new).collect();
-        let textures: Vec<_> = iter::zip(&parts.textures, &atlas.regions)
-            .map(|(texture, &region)| Texture::new(texture, region))
-            .collect();
+        let textures = Texture::all(&parts.textures, &atlas);
         let lobes: Vec<_> = parts.environment.lobes.iter().map(Lobe::new).collect();
 
         let mut geometry = STORAGE | wgpu::BufferUsages::VERTEX;
@@ -105,7 +103,7 @@ impl SceneBuffers {
             deformed_normals: ListBuffer::new::<Vec3>(device, "deformed normals", STORAGE),
             materials: ListBuffer::filled(device, queue, "materials", &materials)?,
             textures: ListBuffer::filled(device, queue, "textures", &textures)?,
-            atlas: atlas.upload(device, queue, &parts.textures).create_view(&view),
+            atlas: atlas.upload(device, queue, frame.scene()).create_view(&view),
             atlas_bytes: atlas.bytes(),
             lights: ListBuffer::new::<Light>(device, "lights", STORAGE),
             lobes: ListBuffer::filled(device, queue, "environment lobes", &lobes)?,

@@ -8,7 +8,7 @@ use sheer_scene::{
     model::{LightKind, Material as SceneMaterial, Mesh, Texture as SceneTexture, TextureRef},
 };
 
-use super::atlas::Region;
+use super::atlas::{Atlas, Region};
 use crate::shader::record::scene::{
     LIGHT_DIRECTIONAL, LIGHT_POINT, LIGHT_SPOT, LOOK_DEFORMED, LOOK_QUAD, LOOK_RIGID, Light, Lobe, Material,
     MeshOffsets, NONE, Object, TEXTURE_BASE_COLOUR, TEXTURE_COUNT, TEXTURE_EMISSIVE,
@@ -125,16 +125,31 @@ impl Material {
 }
 
 impl Texture {
-    pub(crate) fn new(texture: &SceneTexture, region: Region) -> Self {
-        Self {
+    /// Records of all textures, then of their levels.
+    pub(crate) fn all(textures: &[SceneTexture], atlas: &Atlas) -> Vec<Self> {
+        let place = |region: &Region| Self {
             origin: region.origin.into(),
-            size: [texture.image.width(), texture.image.height()].into(),
-            wrap: texture.wrap.map(|wrap| wrap as u32).into(),
+            size: region.size.into(),
             layer: region.layer,
+            ..Self::zeroed()
+        };
+        let mut levels = Vec::new();
+        let mut first_levels = vec![0; textures.len()];
+        for &index in &atlas.stored {
+            first_levels[index] = (textures.len() + levels.len()) as u32;
+            levels.extend(atlas.regions[index][1..].iter().map(place));
+        }
+        let record = |(index, texture): (usize, &SceneTexture)| Self {
+            wrap: texture.wrap.map(|wrap| wrap as u32).into(),
             filtering: texture.filter as u32,
             srgb: u32::from(texture.srgb),
-            padding: 0,
-        }
+            minified_filtering: texture.minification.filter as u32,
+            level_filtering: texture.minification.levels as u32,
+            first_level: first_levels[atlas.owners[index]],
+            last_level: atlas.regions[index].len() as u32 - 1,
+            ..place(&atlas.regions[index][0])
+        };
+        textures.iter().enumerate().map(record).chain(levels).collect()
     }
 }
 

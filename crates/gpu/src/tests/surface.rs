@@ -7,7 +7,8 @@ use std::{
 
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
-use sheer_scene::{Animator, CameraChoice, FaceSide, Frame};
+use sheer_core::hash::{pcg3d, unit_from_bits};
+use sheer_scene::{Animator, Beam, CameraChoice, FaceSide, Frame};
 
 use wgpu::{BufferBindingType, BufferUsages};
 
@@ -33,6 +34,10 @@ struct Query {
     u: f32,
     v: f32,
     counter_clockwise: u32,
+    /// Unit direction of the beam that sees it.
+    direction: Vec3,
+    /// Its width.
+    width: f32,
 }
 
 /// One for all tests: software drivers take seconds to compile the probe.
@@ -76,11 +81,19 @@ fn queries(frame: &Frame) -> Vec<Query> {
     let count = frame.triangles().len() as u32;
     (0..QUERIES as u32)
         .map(|index| {
-            let [a, b, c] = sheer_core::hash::pcg3d([index, 17, 4]);
+            let [a, b, c] = pcg3d([index, 17, 4]);
             let [u, v] = [b, c].map(|bits| (bits >> 8) as f32 / (1 << 24) as f32);
             let [u, v] = if u + v > 1.0 { [1.0 - u, 1.0 - v] } else { [u, v] };
             let triangle = if index % 4 == 0 { count - 1 - a % count.min(64) } else { a % count };
-            Query { triangle, u, v, counter_clockwise: a >> 31 }
+            // From next to nothing to more than most triangles, and not so flat against them that rounding
+            // decides how far along it sees.
+            let [d, e, f] = pcg3d([index, 18, 4]).map(unit_from_bits);
+            let [a_corner, b_corner, c_corner] = frame.triangles()[triangle as usize];
+            let normal = (b_corner - a_corner).cross(c_corner - a_corner).normalize_or(Vec3::Z);
+            let direction = (normal + 0.5 * (2.0 * Vec3::new(d, e, f) - 1.0)).normalize_or(normal);
+            let width =
+                f32::exp2(-16.0 * unit_from_bits(pcg3d([index, 19, 4])[0])) * (b_corner - a_corner).length();
+            Query { triangle, u, v, counter_clockwise: a >> 31, direction, width }
         })
         .collect()
 }
@@ -89,11 +102,12 @@ fn queries(frame: &Frame) -> Vec<Query> {
 fn expected(frame: &Frame, query: &Query) -> Answer {
     let Query { triangle, u, v, .. } = *query;
     let counter_clockwise = query.counter_clockwise != 0;
-    let surface = frame.surface(triangle, u, v, counter_clockwise);
-    let alpha = frame.opacity(triangle, u, v);
+    let beam = Beam { direction: query.direction, width: query.width };
+    let surface = frame.surface(triangle, u, v, counter_clockwise, beam);
+    let alpha = frame.opacity(triangle, u, v, query.width);
     let scalars = [
         alpha,
-        frame.opacity_for_camera(triangle, u, v, counter_clockwise),
+        frame.opacity_for_camera(triangle, u, v, counter_clockwise, query.width),
         f32::from(u8::from(surface.side == FaceSide::Front)),
         surface.metallic,
         surface.roughness,
@@ -107,7 +121,7 @@ fn expected(frame: &Frame, query: &Query) -> Answer {
         surface.position,
         surface.previous_position,
         surface.emissive,
-        frame.light_through(triangle, u, v, alpha),
+        frame.light_through(triangle, u, v, alpha, query.width),
         a,
         b,
         c,

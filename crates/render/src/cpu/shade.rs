@@ -5,7 +5,7 @@ use std::f32::consts::PI;
 use glam::Vec3;
 use sheer_accel::Hit;
 use sheer_scene::{
-    CameraRay, FrameLight, Surface,
+    Beam, CameraRay, FrameLight, Surface,
     model::{LightKind, ShadingModel},
 };
 
@@ -74,7 +74,9 @@ impl Tracer<'_> {
     /// Linear radiance that leaves a hit towards the camera.
     pub(super) fn shade(&self, ray: &CameraRay, hit: &Hit, counters: &mut Counters) -> Vec3 {
         let frame = self.stage.frame();
-        let surface = frame.surface(hit.triangle, hit.u, hit.v, hit.front);
+        // As wide as a pixel is at the depth of the hit, which is nearer than the hit itself towards corners.
+        let beam = Beam { direction: ray.direction, width: self.beam.width_at(self.depth(ray, hit)) };
+        let surface = frame.surface(hit.triangle, hit.u, hit.v, hit.front, beam);
         counters.shaded += 1;
         let to_viewer = -ray.direction;
         let scene = frame.scene().parts();
@@ -89,7 +91,7 @@ impl Tracer<'_> {
                 let ambient = lobes.diffuse * diffuse + lobes.environment_specular() * specular;
                 surface.emissive
                     + ambient * surface.occlusion
-                    + self.lit(&surface, hit, counters, |incident| {
+                    + self.lit(&surface, hit, beam.width, counters, |incident| {
                         let n_dot_l = surface.normal.dot(incident.to_light);
                         (n_dot_l > 0.0)
                             .then(|| lobes.reflect(&surface, to_viewer, incident.to_light) * n_dot_l)
@@ -100,7 +102,7 @@ impl Tracer<'_> {
                     0.5 * (scene.environment.diffuse(surface.normal) + scene.environment.diffuse(to_viewer));
                 surface.emissive
                     + surface.base_colour * ambient
-                    + self.lit(&surface, hit, counters, |incident| {
+                    + self.lit(&surface, hit, beam.width, counters, |incident| {
                         Some(smoke_phase(&surface, to_viewer, incident.to_light))
                     })
             }
@@ -110,7 +112,7 @@ impl Tracer<'_> {
                 let facing = across(surface.normal, to_viewer).normalize_or(to_viewer);
                 surface.emissive
                     + surface.base_colour * scene.environment.diffuse(facing) * surface.occlusion
-                    + self.lit(&surface, hit, counters, |incident| {
+                    + self.lit(&surface, hit, beam.width, counters, |incident| {
                         Some(fibre_scattering(&surface, to_viewer, incident.to_light))
                     })
             }
@@ -119,11 +121,12 @@ impl Tracer<'_> {
     }
 
     /// Sum over all lights: irradiance × `response` × transmittance; shadows are looked for wherever the
-    /// response is not none.
+    /// response is not none, with beams of `width`, world units.
     fn lit(
         &self,
         surface: &Surface,
         hit: &Hit,
+        width: f32,
         counters: &mut Counters,
         response: impl Fn(&Incident) -> Option<Vec3>,
     ) -> Vec3 {
@@ -136,6 +139,7 @@ impl Tracer<'_> {
                 normal: surface.geometric_normal,
                 to_light: incident.to_light,
                 distance: incident.distance,
+                width,
                 key: [self.pixel_at[0], self.pixel_at[1], hit.triangle],
             };
             let transmittance = self.shadows.at(self.stage, index, &receiver, counters);

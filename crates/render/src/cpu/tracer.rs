@@ -5,7 +5,7 @@ use glam::{Vec2, Vec3};
 use sheer_accel::{Hit, Ray};
 use sheer_core::{colour::Premul, coverage::Correction};
 use sheer_image::Pixel;
-use sheer_scene::{CameraPose, CameraRay, FaceSide};
+use sheer_scene::{CameraPose, CameraRay, FaceSide, PixelBeam};
 
 use super::workspace::{Byproducts, Layer, Workspace};
 use crate::{
@@ -26,6 +26,8 @@ pub(super) struct Tracer<'a> {
     pub(super) correction: Correction,
     /// See [`crate::contract::PixelSite::depth_range`].
     pub(super) depth_range: [f32; 2],
+    /// What a pixel sees of a surface.
+    pub(super) beam: PixelBeam,
     pub(super) workspace: Workspace,
     pub(super) byproducts: Byproducts,
     pub(super) layers: Vec<Layer>,
@@ -45,6 +47,7 @@ impl<'a> Tracer<'a> {
             pixel_at: [0; 2],
             correction,
             depth_range: depth_range(stage.bvh().bounds(), stage.frame().camera()),
+            beam: stage.frame().camera().pixel_beam(settings.run.size[1] as f32),
             workspace: Workspace::default(),
             byproducts: Byproducts::default(),
             layers: Vec::new(),
@@ -131,7 +134,13 @@ impl<'a> Tracer<'a> {
 
     /// Opacity of a hit for the camera; 0 where it is less than anyone would see.
     pub(super) fn alpha(&self, hit: &Hit) -> f32 {
-        let alpha = self.stage.frame().opacity_for_camera(hit.triangle, hit.u, hit.v, hit.front);
+        let alpha = self.stage.frame().opacity_for_camera(
+            hit.triangle,
+            hit.u,
+            hit.v,
+            hit.front,
+            self.beam.width_at(hit.t),
+        );
         if alpha >= MIN_ALPHA { alpha } else { 0.0 }
     }
 

@@ -44,11 +44,12 @@ impl Blockers {
         self.transparent.clear();
         self.opaque_depth = f32::INFINITY;
         view.stage.bvh().traverse(&projection.ray(texel), |hit| {
-            let alpha = frame.opacity(hit.triangle, hit.u, hit.v);
+            let width = projection.texel_side(texel, hit.t);
+            let alpha = frame.opacity(hit.triangle, hit.u, hit.v, width);
             if alpha >= 1.0 {
                 self.opaque_depth = self.opaque_depth.min(hit.t);
             } else if alpha >= MIN_ALPHA {
-                let through = frame.light_through(hit.triangle, hit.u, hit.v, alpha);
+                let through = frame.light_through(hit.triangle, hit.u, hit.v, alpha, width);
                 self.transparent.push(Blocker { depth: hit.t, triangle: hit.triangle, through });
             }
             self.opaque_depth

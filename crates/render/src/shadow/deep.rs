@@ -60,7 +60,7 @@ impl Map for Rays {
         counters.shadow_rays += 1;
         if self.tinted {
             let through = |light: Vec3, hit: &Hit, alpha| {
-                light * stage.frame().light_through(hit.triangle, hit.u, hit.v, alpha)
+                light * stage.frame().light_through(hit.triangle, hit.u, hit.v, alpha, receiver.width)
             };
             product(stage, receiver, Vec3::ONE, Vec3::ZERO, through, Vec3::max_element)
         } else {
@@ -87,7 +87,7 @@ fn product<T: Copy>(
     let mut transmittance = light;
     let ray = Ray { origin, direction: receiver.to_light, t_min: 0.0, t_max: distance };
     stage.bvh().traverse(&ray, |hit| {
-        let alpha = stage.frame().opacity(hit.triangle, hit.u, hit.v);
+        let alpha = stage.frame().opacity(hit.triangle, hit.u, hit.v, receiver.width);
         if alpha >= MIN_ALPHA {
             transmittance = through(transmittance, &hit, alpha);
         }

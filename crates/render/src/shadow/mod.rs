@@ -185,7 +185,7 @@ impl Shadows {
     }
 
     /// Share of the light of one of the frame's lights, red, green and blue, that arrives at a point of a
-    /// surface with a unit normal. `key` is hashed where taps are random.
+    /// surface with a unit normal, to the texel of textures in between. `key` is hashed where taps are random.
     ///
     /// # Panics
     /// If the stage's frame has no such light.
@@ -199,7 +199,7 @@ impl Shadows {
         key: [u32; 3],
     ) -> Vec3 {
         let (to_light, distance) = toward(&stage.frame().lights()[light], position);
-        let receiver = Receiver { position, normal, to_light, distance, key };
+        let receiver = Receiver { position, normal, to_light, distance, width: 0.0, key };
         self.at(stage, light, &receiver, &mut Counters::default())
     }
 

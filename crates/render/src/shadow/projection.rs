@@ -160,7 +160,7 @@ impl Projection {
     pub(super) fn texel_side(&self, texel: usize, depth: f32) -> f32 {
         match self.faces[texel / (self.side() * self.side())].lens {
             FaceLens::Parallel { texel, .. } => texel.max_element(),
-            FaceLens::Central { half_width, .. } => 2.0 * half_width * depth / self.side as f32,
+            FaceLens::Central { half_width, .. } => 2.0 / self.side as f32 * half_width * depth,
         }
     }
 

@@ -2,13 +2,14 @@
 
 use std::sync::Arc;
 
-use glam::{Mat3, Vec3};
+use glam::{Mat3, Vec2, Vec3};
 use rayon::prelude::*;
 
 use super::{
     Frame, FrameLight, Object,
     attribute::{QUAD_UVS, corner_uvs, gather},
     deform::{deform, normal_matrix},
+    footprint::texel_density,
     pose::{NodePose, camera_pose, instance_moves, moving_nodes},
     storage::{Look, MIRRORED, OPAQUE, SINGLE_SIDED, StaticCounts, TINTED, TriangleOpacity},
 };
@@ -175,6 +176,7 @@ impl Animator {
         flags |= if material.double_sided { 0 } else { SINGLE_SIDED };
         flags |= tint_flag(material);
         let count = mesh.indices.len();
+        let first_triangle = frame.triangle_object.len();
         frame.triangle_object.extend(std::iter::repeat_n(frame.objects.len() as u32, count));
         frame.objects.push(object);
         // What is opaque all over needs no table; of all else the any-hit test reads an entry a triangle.
@@ -182,13 +184,17 @@ impl Animator {
             frame.opacity_slot.extend(std::iter::repeat_n(flags | OPAQUE, count));
             return;
         }
-        for corners in &mesh.indices {
+        for (index, corners) in mesh.indices.iter().enumerate() {
             let vertices = corners.map(|corner| corner as usize);
             let alpha =
                 gather(&mesh.colours, vertices).map_or([1.0; 3], |colours| colours.map(|colour| colour.w));
             let uvs = |used: &TextureRef| corner_uvs(mesh, vertices, used.uv_set);
+            let corners_in_world = &frame.triangles[first_triangle + index];
+            let density = |uvs: &[Vec2; 3], texture: u32| {
+                texel_density(corners_in_world, uvs, scene.samplers()[texture as usize].size())
+            };
             frame.opacity_slot.push(flags | frame.opacities.len() as u32);
-            frame.opacities.push(TriangleOpacity::new(material, alpha, uvs));
+            frame.opacities.push(TriangleOpacity::new(material, alpha, uvs, density));
         }
     }
 
@@ -233,7 +239,10 @@ impl Animator {
                 frame.previous_moving.push(before[half]);
                 frame.triangle_object.push(frame.objects.len() as u32);
                 frame.opacity_slot.push(tint_flag(material) | frame.opacities.len() as u32);
-                frame.opacities.push(TriangleOpacity::new(material, [alpha; 3], uvs));
+                let density = |uvs: &[Vec2; 3], texture: u32| {
+                    texel_density(&corners[half], uvs, scene.samplers()[texture as usize].size())
+                };
+                frame.opacities.push(TriangleOpacity::new(material, [alpha; 3], uvs, density));
             }
             frame.objects.push(object);
         }

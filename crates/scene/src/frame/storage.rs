@@ -53,7 +53,7 @@ pub enum Look {
     },
 }
 
-/// What the any-hit test reads, gathered a triangle: 48 bytes instead of a walk through object, mesh and
+/// What the any-hit test reads, gathered a triangle: 56 bytes instead of a walk through object, mesh and
 /// material.
 #[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
@@ -68,6 +68,10 @@ pub struct TriangleOpacity {
     pub cutoff: f32,
     /// Factor after the alpha test.
     pub opacity: f32,
+    /// Texels of the texture along a world unit: a footprint of so many units times this is one in texels.
+    pub texel_density: f32,
+    /// Fills the size up to a multiple of 8, as a GPU has it.
+    pub padding: u32,
 }
 
 /// How many entries of a frame's lists never change.
@@ -84,11 +88,13 @@ pub struct StaticCounts {
 }
 
 impl TriangleOpacity {
-    /// Gathers what a material and its corners say: alpha at each vertex, and `uvs` for the texture it uses.
+    /// Gathers what a material and its corners say: alpha at each vertex, `uvs` for the texture it uses, and
+    /// for these coordinates the density of the texture's texels.
     pub(super) fn new(
         material: &Material,
         vertex_alpha: [f32; 3],
         uvs: impl Fn(&TextureRef) -> [Vec2; 3],
+        density: impl Fn(&[Vec2; 3], u32) -> f32,
     ) -> Self {
         let opaque = material.alpha_mode == AlphaMode::Opaque;
         let texture = material.base_colour_texture.filter(|_| !opaque);
@@ -100,6 +106,8 @@ impl TriangleOpacity {
             texture: texture.map_or(NO_TEXTURE, |used| used.texture),
             cutoff: if let AlphaMode::Mask { cutoff } = material.alpha_mode { cutoff.max(0.0) } else { -1.0 },
             opacity: material.opacity,
+            texel_density: texture.map_or(0.0, |used| density(&uv, used.texture)),
+            padding: 0,
         }
     }
 }

@@ -6,9 +6,22 @@ use glam::{Vec2, Vec3, Vec4, Vec4Swizzles};
 use super::{
     FaceSide, Frame, Object,
     attribute::{QUAD_UVS, corner_uvs, gather, mix},
+    footprint::{Ellipse, texel_density},
     storage::{Look, TINTED},
 };
-use crate::model::{Material, Mesh, ShadingModel, TextureRef};
+use crate::{
+    model::{Material, Mesh, ShadingModel, TextureRef},
+    texture::Footprint,
+};
+
+/// A ray and how wide it is where it meets a surface: what textures are looked up with.
+#[derive(Clone, Copy, Debug)]
+pub struct Beam {
+    /// Unit direction, world.
+    pub direction: Vec3,
+    /// Across it, world units; 0 looks at the textures' texels themselves.
+    pub width: f32,
+}
 
 /// Everything shading needs to know of a point on a surface. Colours are linear.
 #[derive(Clone, Copy, Debug)]
@@ -38,10 +51,10 @@ pub struct Surface {
 }
 
 impl Frame {
-    /// The surface at a point of a triangle, seen by a ray that finds its vertices counter-clockwise (or
+    /// The surface at a point of a triangle, seen by a beam that finds its vertices counter-clockwise (or
     /// not).
     #[must_use]
-    pub fn surface(&self, triangle: u32, u: f32, v: f32, counter_clockwise: bool) -> Surface {
+    pub fn surface(&self, triangle: u32, u: f32, v: f32, counter_clockwise: bool, beam: Beam) -> Surface {
         let weights = [1.0 - u - v, u, v];
         let corners = self.triangles[triangle as usize];
         let [position, previous_position] = self.positions(triangle, u, v);
@@ -67,7 +80,7 @@ impl Frame {
             occlusion: 1.0,
             model: material.model,
         };
-        self.apply_textures(material, &attributes, &mut surface);
+        self.apply_textures(material, &attributes, beam, &mut surface);
         if side == FaceSide::Back && !matches!(surface.model, ShadingModel::Smoke | ShadingModel::Fibre) {
             surface.normal = -surface.normal;
         }
@@ -75,25 +88,40 @@ impl Frame {
     }
 
     /// Share of the light, red, green and blue, that passes a point of a triangle whose opacity there is
-    /// `alpha`.
+    /// `alpha`, in a beam of a width, world units.
     ///
     /// `1 - coverage · (1 - tint)` (McGuire and Enderton 2011, section 2), where the tint is the material's
     /// transmission times its base colour, and the coverage is the opacity before the transmission was taken
     /// out of it. Where that would be more than the whole, the transmission is less than the material's (a
     /// texture lowers it): all light that passes has the base colour.
     #[must_use]
-    pub fn light_through(&self, triangle: u32, u: f32, v: f32, alpha: f32) -> Vec3 {
+    pub fn light_through(&self, triangle: u32, u: f32, v: f32, alpha: f32, width: f32) -> Vec3 {
         if self.opacity_slot[triangle as usize] & TINTED == 0 {
             return Vec3::splat(1.0 - alpha);
         }
         let transmission = self.scene.parts().materials[self.object(triangle).material as usize].transmission;
-        let base_colour = self.surface(triangle, u, v, true).base_colour.clamp(Vec3::ZERO, Vec3::ONE);
+        let base_colour = self.base_colour(triangle, u, v, width).clamp(Vec3::ZERO, Vec3::ONE);
         let coverage = alpha / (1.0 - transmission);
         if coverage <= 1.0 {
             1.0 - coverage * (1.0 - transmission * base_colour)
         } else {
             (1.0 - alpha) * base_colour
         }
+    }
+
+    /// The base colour of a surface alone, in a beam that meets it head on.
+    fn base_colour(&self, triangle: u32, u: f32, v: f32, width: f32) -> Vec3 {
+        let weights = [1.0 - u - v, u, v];
+        let corners = self.triangles[triangle as usize];
+        let object = self.object(triangle);
+        let material = &self.scene.parts().materials[object.material as usize];
+        let attributes = self.attributes(object, triangle, weights, corners, Vec3::Y);
+        let bare = material.base_colour.truncate() * attributes.tint;
+        let Some(used) = &material.base_colour_texture else { return bare };
+        let uvs = attributes.uvs.of(used);
+        let sampler = &self.scene.samplers()[used.texture as usize];
+        let footprint = Footprint::round(width * texel_density(&corners, &uvs, sampler.size()));
+        bare * sampler.sample(mix(weights, uvs), &footprint).truncate()
     }
 
     /// The vertex attributes of a mesh or of a quad, interpolated.
@@ -156,10 +184,20 @@ impl Frame {
     }
 
     /// Multiplies textures into the surface and bends its normal.
-    fn apply_textures(&self, material: &Material, attributes: &Attributes<'_>, surface: &mut Surface) {
-        let sample = |used: &TextureRef| {
-            let uv = mix(attributes.weights, attributes.uvs.of(used));
-            self.scene.samplers()[used.texture as usize].sample(uv)
+    fn apply_textures(
+        &self,
+        material: &Material,
+        attributes: &Attributes<'_>,
+        beam: Beam,
+        surface: &mut Surface,
+    ) {
+        let mut ellipse = None;
+        let mut sample = |used: &TextureRef| {
+            let uvs = attributes.uvs.of(used);
+            let sampler = &self.scene.samplers()[used.texture as usize];
+            let ellipse =
+                ellipse.get_or_insert_with(|| Ellipse::new(&attributes.corners, beam.direction, beam.width));
+            sampler.sample(mix(attributes.weights, uvs), &ellipse.footprint(&uvs, sampler.size()))
         };
         if let Some(used) = &material.base_colour_texture {
             surface.base_colour *= sample(used).truncate();

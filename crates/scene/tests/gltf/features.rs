@@ -7,8 +7,8 @@ use serde_json::json;
 use sheer_scene::{
     Environment, Lens, LoadWarning, Loaded,
     model::{
-        AlphaMode, Filter, Interpolation, LightKind, Material, Mesh, SceneParts, ShadingModel, Track,
-        Transform, Wrap,
+        AlphaMode, Filter, Interpolation, LevelFilter, LightKind, Material, Mesh, Minification, SceneParts,
+        ShadingModel, Track, Transform, Wrap,
     },
     open,
 };
@@ -375,6 +375,26 @@ fn one_image_serves_as_colour_and_as_data() {
     assert_eq!(parts.textures[0].wrap, [Wrap::ClampToEdge, Wrap::MirroredRepeat]);
     assert_eq!(parts.textures[0].filter, Filter::Nearest);
     assert_eq!((parts.materials[0].normal_scale, parts.materials[0].occlusion_strength), (0.5, 0.25));
+}
+
+#[test]
+fn samplers_say_how_textures_are_minified() {
+    let minification = |min_filter: Option<u32>| {
+        let mut builder = Builder::triangle();
+        let texture = builder.texture([1, 2, 3, 4]);
+        builder.json["samplers"] = json!([{"minFilter": min_filter}]);
+        builder.json["textures"][texture]["sampler"] = json!(0);
+        builder.material(json!({"pbrMetallicRoughness": {"baseColorTexture": {"index": texture}}}));
+        let Minification { filter, levels } = parts(&builder).textures[0].minification;
+        (filter, levels)
+    };
+    assert_eq!(minification(None), (Filter::Linear, LevelFilter::Linear));
+    assert_eq!(minification(Some(9728)), (Filter::Nearest, LevelFilter::None));
+    assert_eq!(minification(Some(9729)), (Filter::Linear, LevelFilter::None));
+    assert_eq!(minification(Some(9984)), (Filter::Nearest, LevelFilter::Nearest));
+    assert_eq!(minification(Some(9985)), (Filter::Linear, LevelFilter::Nearest));
+    assert_eq!(minification(Some(9986)), (Filter::Nearest, LevelFilter::Linear));
+    assert_eq!(minification(Some(9987)), (Filter::Linear, LevelFilter::Linear));
 }
 
 #[test]

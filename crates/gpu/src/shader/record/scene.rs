@@ -3,7 +3,7 @@
 //! A WGSL `vec3f` takes 12 bytes but starts at a multiple of 16, so that each is followed by a scalar here.
 
 use glam::{UVec2, Vec2, Vec3};
-use sheer_scene::model::{Filter, ShadingModel, Wrap};
+use sheer_scene::model::{Filter, LevelFilter, ShadingModel, Wrap};
 
 use crate::shader::declaration::shader_struct;
 
@@ -52,6 +52,9 @@ pub(crate) const CONSTANTS: &[(&str, u32)] = &[
     ("WRAP_CLAMP_TO_EDGE", Wrap::ClampToEdge as u32),
     ("FILTER_LINEAR", Filter::Linear as u32),
     ("FILTER_NEAREST", Filter::Nearest as u32),
+    ("LEVELS_LINEAR", LevelFilter::Linear as u32),
+    ("LEVELS_NEAREST", LevelFilter::Nearest as u32),
+    ("LEVELS_NONE", LevelFilter::None as u32),
 ];
 
 /// What the any-hit test reads: as the frame stores it.
@@ -70,6 +73,10 @@ shader_struct! {
         cutoff: f32,
         /// Factor after the alpha test.
         opacity: f32,
+        /// Texels of the texture along a world unit.
+        texel_density: f32,
+        /// Fills the size up to a multiple of 8.
+        padding: u32,
     }
 }
 
@@ -161,7 +168,8 @@ shader_struct! {
 }
 
 shader_struct! {
-    /// A texture: where it lies in the atlas and how it is looked up.
+    /// A texture: where it lies in the atlas and how it is looked up. Its levels have records of their own, of
+    /// which only the place counts.
     struct Texture {
         /// Column and row of its upper left texel in its layer.
         origin: UVec2,
@@ -175,6 +183,14 @@ shader_struct! {
         filtering: u32,
         /// 1 if the colour channels are sRGB-encoded.
         srgb: u32,
+        /// Of minified texels: one of the numbers `FILTER_…`.
+        minified_filtering: u32,
+        /// One of the numbers `LEVELS_…`.
+        level_filtering: u32,
+        /// Index of the record of the first level after the image, which the others follow.
+        first_level: u32,
+        /// Levels after the image.
+        last_level: u32,
         /// Fills the last row.
         padding: u32,
     }

@@ -14,7 +14,9 @@ use super::{
 use crate::{
     SceneError,
     load::LoadWarning,
-    model::{AlphaMode, Filter, Material, ShadingModel, Texture, TextureRef, Wrap},
+    model::{
+        AlphaMode, Filter, LevelFilter, Material, Minification, ShadingModel, Texture, TextureRef, Wrap,
+    },
 };
 
 /// How much of what a surface transmits counts as not covered. A little below one, so that clear glass keeps
@@ -56,6 +58,7 @@ fn decoded(texels: &Texels, images: &image::Images) -> Texture {
         srgb: texels.srgb,
         wrap: texels.wrap,
         filter: texels.filter,
+        minification: texels.minification,
     }
 }
 
@@ -229,7 +232,8 @@ impl Materials<'_, '_> {
                 let sampler = described
                     .sampler
                     .map(|sampler| document.get(&document.root.samplers, sampler, "sampler", &texture_place));
-                let (wrap, filter) = sampler.transpose()?.map_or_else(Default::default, sampling);
+                let (wrap, filter, minification) =
+                    sampler.transpose()?.map_or_else(Default::default, sampling);
                 let texture = self.textures.len() as u32;
                 self.textures.push(Texels {
                     name: described.name.clone().unwrap_or_default(),
@@ -237,6 +241,7 @@ impl Materials<'_, '_> {
                     srgb,
                     wrap,
                     filter,
+                    minification,
                 });
                 self.texture_of.insert((info.index, srgb), texture);
                 texture
@@ -313,13 +318,21 @@ fn unit(factor: f32) -> f32 {
     if factor > 0.0 { factor.min(1.0) } else { 0.0 }
 }
 
-/// Wrapping and filter of a sampler; an unknown number means the default.
-fn sampling(sampler: &schema::Sampler) -> ([Wrap; 2], Filter) {
+/// Wrapping and filters of a sampler (glTF 2.0, 3.8.4.2); an unknown number means the default.
+fn sampling(sampler: &schema::Sampler) -> ([Wrap; 2], Filter, Minification) {
     let wrap = |code: Option<u32>| match code {
         Some(33071) => Wrap::ClampToEdge,
         Some(33648) => Wrap::MirroredRepeat,
         _ => Wrap::Repeat,
     };
     let filter = if sampler.mag_filter == Some(9728) { Filter::Nearest } else { Filter::Linear };
-    ([wrap(sampler.wrap_s), wrap(sampler.wrap_t)], filter)
+    let (within, levels) = match sampler.min_filter {
+        Some(9728) => (Filter::Nearest, LevelFilter::None),
+        Some(9729) => (Filter::Linear, LevelFilter::None),
+        Some(9984) => (Filter::Nearest, LevelFilter::Nearest),
+        Some(9985) => (Filter::Linear, LevelFilter::Nearest),
+        Some(9986) => (Filter::Nearest, LevelFilter::Linear),
+        _ => (Filter::Linear, LevelFilter::Linear),
+    };
+    ([wrap(sampler.wrap_s), wrap(sampler.wrap_t)], filter, Minification { filter: within, levels })
 }

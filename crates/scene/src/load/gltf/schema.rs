@@ -248,6 +248,7 @@ pub(super) struct TextureSource {
 #[serde(default, rename_all = "camelCase")]
 pub(super) struct Sampler {
     pub mag_filter: Option<u32>,
+    pub min_filter: Option<u32>,
     pub wrap_s: Option<u32>,
     pub wrap_t: Option<u32>,
 }

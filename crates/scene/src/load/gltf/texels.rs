@@ -5,7 +5,7 @@ use std::sync::Arc;
 use sheer_image::Image;
 
 use super::schema::Index;
-use crate::model::{Filter, Wrap};
+use crate::model::{Filter, Minification, Wrap};
 
 /// A texture before its image is decoded.
 #[derive(Clone)]
@@ -15,6 +15,7 @@ pub(super) struct Texels {
     pub(super) srgb: bool,
     pub(super) wrap: [Wrap; 2],
     pub(super) filter: Filter,
+    pub(super) minification: Minification,
 }
 
 /// Where texels come from.
