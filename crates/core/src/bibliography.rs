@@ -60,6 +60,8 @@ macro_rules! works {
 }
 
 works! {
+    AKENINE_MOELLER_2019: ["Akenine-Möller, T.", "Nilsson, J.", "Andersson, M.", "Barré-Brisebois, C.", "Toth, R.", "Karras, T."],
+        "Texture Level of Detail Strategies for Real-Time Ray Tracing", "Ray Tracing Gems, Apress", 2019;
     ANDREW_1979: ["Andrew, A. M."],
         "Another efficient algorithm for convex hulls in two dimensions", "Information Processing Letters 9 (5)", 1979;
     BAVOIL_2007: ["Bavoil, L.", "Callahan, S. P.", "Lefohn, A.", "Comba, J. L. D.", "Silva, C. T."],
@@ -69,12 +71,16 @@ works! {
         "Eurographics Symposium on Rendering (EGSR)", 2025;
     CARPENTER_1984: ["Carpenter, L."],
         "The A-buffer, an Antialiased Hidden Surface Method", "SIGGRAPH", 1984;
+    CASTANO_2010: ["Castaño, I."],
+        "Computing Alpha Mipmaps", "the-witness.net", 2010;
     ST, "ST": ["Enderton, E.", "Sintorn, E.", "Shirley, P.", "Luebke, D."],
         "Stochastic Transparency", "IEEE Transactions on Visualization and Computer Graphics 17 (8)", 2011;
     EPIC_DITHER: ["Epic Games"],
         "DitherTemporalAA", "material function of Unreal Engine 4", 2014;
     EVERITT_2001: ["Everitt, C."],
         "Interactive Order-Independent Transparency", "NVIDIA", 2001;
+    GUTHE_HECKBERT_2005: ["Guthe, S.", "Heckbert, P."],
+        "Non-Power-of-Two Mipmap Creation", "NVIDIA", 2005;
     HENYEY_GREENSTEIN_1941: ["Henyey, L. G.", "Greenstein, J. L."],
         "Diffuse radiation in the Galaxy", "The Astrophysical Journal 93", 1941;
     IZE_2013: ["Ize, T."],
@@ -157,6 +163,8 @@ works! {
         "All-Frequency Rendering of Dynamic, Spatially-Varying Reflectance", "ACM Transactions on Graphics 28 (5)", 2009;
     WELFORD_1962: ["Welford, B. P."],
         "Note on a Method for Calculating Corrected Sums of Squares and Products", "Technometrics 4 (3)", 1962;
+    WILLIAMS_1983: ["Williams, L."],
+        "Pyramidal Parametrics", "SIGGRAPH", 1983;
     WOLFE_2022: ["Wolfe, A.", "Morrical, N.", "Akenine-Möller, T.", "Ramamoorthi, R."],
         "Spatiotemporal Blue Noise Masks", "Eurographics Symposium on Rendering (EGSR)", 2022;
     WOOP_2013: ["Woop, S.", "Benthin, C.", "Wald, I."],

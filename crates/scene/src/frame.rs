@@ -170,8 +170,8 @@ impl Frame {
     }
 
     /// Opacity of a point of a triangle, 0 to 1: OPAQUE materials 1, MASK materials 0 or 1, BLEND materials
-    /// their alpha. `u` and `v` are the barycentric weights of the second and third vertex, `width` is that of
-    /// the beam that sees it, world units; 0 looks at the texture's texels themselves.
+    /// their alpha. `u` and `v` are the barycentric weights of the second and third vertex, `width` is that
+    /// of the beam that sees it, world units; 0 looks at the texture's texels themselves.
     #[must_use]
     #[inline]
     pub fn opacity(&self, triangle: u32, u: f32, v: f32, width: f32) -> f32 {

@@ -185,7 +185,8 @@ impl Shadows {
     }
 
     /// Share of the light of one of the frame's lights, red, green and blue, that arrives at a point of a
-    /// surface with a unit normal, to the texel of textures in between. `key` is hashed where taps are random.
+    /// surface with a unit normal; textures in between are seen to the texel. `key` is hashed where taps are
+    /// random.
     ///
     /// # Panics
     /// If the stage's frame has no such light.

@@ -304,7 +304,7 @@ mod tests {
 
     #[test]
     fn alpha_tested_levels_keep_the_coverage_of_the_image() {
-        // Blades one texel wide, a third of them above the cutoff: their means are below it nearly everywhere.
+        // Blades one texel wide, a third of them above the cutoff: most of their means are below it.
         let blades = |x: u32, _: u32| {
             let random = unit_from_bits(pcg3d([x, 1, 2])[0]);
             [0, 255, 0, (255.0 * random * random) as u8]

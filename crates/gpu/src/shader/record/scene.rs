@@ -168,8 +168,8 @@ shader_struct! {
 }
 
 shader_struct! {
-    /// A texture: where it lies in the atlas and how it is looked up. Its levels have records of their own, of
-    /// which only the place counts.
+    /// A texture: where it lies in the atlas and how it is looked up. Its levels have records of their own,
+    /// of which only the place counts.
     struct Texture {
         /// Column and row of its upper left texel in its layer.
         origin: UVec2,
