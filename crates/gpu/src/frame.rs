@@ -33,7 +33,7 @@ impl From<&CameraPose> for CameraUniform {
             z_axis: axes.z_axis.into(),
             is_orthographic,
             eye: pose.eye(),
-            pixel_side: 0.0,
+            beam_side: 0.0,
         }
     }
 }
@@ -66,7 +66,7 @@ impl FrameUniform {
         let beam = frame.camera().pixel_beam(parameters.size[1] as f32);
         let [depth_near, depth_far] = extent.depth_range(frame.camera());
         Self {
-            camera: CameraUniform { pixel_side: beam.width + beam.growth, ..frame.camera().into() },
+            camera: CameraUniform { beam_side: beam.width + beam.growth, ..frame.camera().into() },
             previous_camera: frame.previous_camera().into(),
             size: parameters.size.into(),
             jitter: parameters.jitter,

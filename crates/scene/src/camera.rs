@@ -4,6 +4,10 @@ use std::f32::consts::TAU;
 
 use glam::{Affine3A, Mat3, Vec2, Vec3};
 
+/// The side of what a sample sees of a pixel's side. Jittered samples average over the pixel by themselves,
+/// and a lookup reaches over twice its footprint: a whole pixel blurs the moving pane, still and exact, to an
+/// SSIM of 0.94 against the same without levels; half of one leaves 0.98 and still has no texel skipped.
+const BEAM_SHARE: f32 = 0.5;
 /// Time of one turn of an orbit: slow enough to look, short enough for a clip.
 const ORBIT_PERIOD_SECS: f32 = 12.0;
 
@@ -75,7 +79,7 @@ pub struct CameraPose {
     pub lens: Lens,
 }
 
-/// How wide the beam of a pixel in the middle of an image is along its ray; beams towards the corners of a
+/// How wide the beam of a sample in the middle of an image is along its ray; beams towards the corners of a
 /// perspective image are taken for as wide.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PixelBeam {
@@ -182,16 +186,13 @@ impl CameraPose {
         }
     }
 
-    /// The beam of a pixel of an image that is `height` pixels high.
+    /// The beam of a sample of a pixel of an image that is `height` pixels high.
     #[must_use]
     pub fn pixel_beam(&self, height: f32) -> PixelBeam {
+        let side = BEAM_SHARE * 2.0 * height.recip();
         match self.lens {
-            Lens::Perspective { yfov_rad } => {
-                PixelBeam { width: 0.0, growth: 2.0 * (0.5 * yfov_rad).tan() * height.recip() }
-            }
-            Lens::Orthographic { half_height } => {
-                PixelBeam { width: 2.0 * half_height * height.recip(), growth: 0.0 }
-            }
+            Lens::Perspective { yfov_rad } => PixelBeam { width: 0.0, growth: side * (0.5 * yfov_rad).tan() },
+            Lens::Orthographic { half_height } => PixelBeam { width: side * half_height, growth: 0.0 },
         }
     }
 
