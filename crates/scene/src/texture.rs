@@ -4,16 +4,16 @@
 //! the footprint instead of a logarithm, which devices round otherwise: the exponent is the level, and the
 //! mantissa the weight of the next, linear from one level to the next instead of logarithmic.
 
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 
 use glam::{Vec2, Vec4};
 use rayon::prelude::*;
-use sheer_core::colour::linear_from_srgb;
 
-pub use self::mip_chain::MipChain;
 use self::mip_chain::{AlphaUse, Level};
+pub use self::{decoding::decode_tables, mip_chain::MipChain};
 use crate::model::{AlphaMode, Filter, LevelFilter, Minification, SceneParts, Texture, Wrap};
 
+mod decoding;
 mod mip_chain;
 
 /// How many lookups at most share a long footprint among them: more keep distant ground sharper at grazing
@@ -113,16 +113,6 @@ fn level_of(footprint: f32) -> (u32, f32) {
     ((bits >> 23) - 127, mantissa - 1.0)
 }
 
-/// Linear values of all bytes: first of those that are linear, then of those that are sRGB-encoded.
-#[must_use]
-pub fn decode_tables() -> &'static [[f32; 256]; 2] {
-    static TABLES: OnceLock<[[f32; 256]; 2]> = OnceLock::new();
-    TABLES.get_or_init(|| {
-        let byte = |index: usize| index as f32 / 255.0;
-        [std::array::from_fn(byte), std::array::from_fn(|index| linear_from_srgb(byte(index)))]
-    })
-}
-
 /// The two texels on either side of a lookup, wrapped into the image, and the weight of the second.
 #[inline]
 fn neighbours(coordinate: f32, size: usize, wrap: Wrap, filter: Filter) -> ([usize; 2], f32) {
@@ -191,21 +181,24 @@ impl Sampler {
     /// Colour and alpha at a point: linear, not multiplied. A long footprint is covered by several lookups
     /// side by side, each as long as the footprint is wide, if [`MOST_PROBES`] are enough for that.
     pub(crate) fn sample(&self, uv: Vec2, footprint: &Footprint) -> Vec4 {
-        if !(footprint.length > 1.0) {
-            return self.sample_level(0, uv, self.filter);
+        if footprint.length > 1.0 {
+            self.sample_minified(uv, footprint)
+        } else {
+            self.sample_level(0, uv, self.filter)
         }
+    }
+
+    fn sample_minified(&self, uv: Vec2, footprint: &Footprint) -> Vec4 {
         let probe = footprint.width.max(footprint.length / MOST_PROBES as f32).max(1.0);
         let gap = (footprint.length - probe) / (footprint.length * (MOST_PROBES - 1) as f32);
-        if !(gap >= LEAST_GAP) || self.minification.levels == LevelFilter::None {
-            return self.sample_round(uv, probe);
+        if gap >= LEAST_GAP && self.minification.levels != LevelFilter::None {
+            // From one end to the other, the middle of all in the middle.
+            let first = uv - footprint.axis * (0.5 * (MOST_PROBES - 1) as f32 * gap);
+            let probes = (0..MOST_PROBES)
+                .map(|index| self.sample_round(first + footprint.axis * (index as f32 * gap), probe));
+            return probes.sum::<Vec4>() * (1.0 / MOST_PROBES as f32);
         }
-        // From one end to the other, the middle of all in the middle.
-        let first = uv - footprint.axis * (0.5 * (MOST_PROBES - 1) as f32 * gap);
-        let mut sum = Vec4::ZERO;
-        for index in 0..MOST_PROBES {
-            sum += self.sample_round(first + footprint.axis * (index as f32 * gap), probe);
-        }
-        sum * (1.0 / MOST_PROBES as f32)
+        self.sample_round(uv, probe)
     }
 
     /// The same with a footprint as wide as it is long, at least one texel.

@@ -78,8 +78,8 @@ pub(crate) struct Receiver {
     pub(crate) to_light: Vec3,
     /// Distance to the light, world units.
     pub(crate) distance: f32,
-    /// Of the beam that sees the point, world units. A beam to a light keeps it: rays of the sun are parallel,
-    /// and those to a lamp, which draw nearer to one another, are taken for it.
+    /// Of the beam that sees the point, world units. A beam to a light keeps it: rays of the sun are
+    /// parallel, and those to a lamp, which draw nearer to one another, are taken for it.
     pub(crate) width: f32,
     /// Makes random taps differ from fragment to fragment: the pixel, and what is hit in it.
     pub(crate) key: [u32; 3],

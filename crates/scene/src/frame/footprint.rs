@@ -1,10 +1,10 @@
 //! How much of a texture the beam of a pixel sees.
 //!
 //! A beam is a cone around a ray, or a cylinder (Akenine-Möller et al. 2019, *Texture Level of Detail
-//! Strategies for Real-Time Ray Tracing*): a pixel's own up to the surface that is seen, from there on to a
-//! light one of the width that it has there. Lookups of opacity, which outnumber all others, take a beam as if it met its
-//! surface head on: the ellipse that it covers at a grazing angle is longer, never narrower. Lookups for
-//! shading take the ellipse.
+//! Strategies for Real-Time Ray Tracing*): a sample's own up to the surface that is seen, from there on to a
+//! light one of the width that it has there. Lookups of opacity, which outnumber all others, take a beam as
+//! if it met its surface head on: the ellipse that it covers at a grazing angle is longer, never narrower.
+//! Lookups for shading take the ellipse.
 
 use glam::{Vec2, Vec3};
 

@@ -12,7 +12,7 @@ use glam::{Vec3, Vec4};
 use sheer_core::colour::linear_from_srgb;
 use sheer_image::Image;
 
-use super::decode_tables;
+use super::decoding::decode_tables;
 
 /// What a texture's alpha is for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -290,7 +290,7 @@ mod tests {
 
     #[test]
     fn what_is_nothing_does_not_darken_what_is_there() {
-        let red_on_black = |x: u32, y: u32| if (x + y) % 4 == 0 { [255, 0, 0, 255] } else { [0; 4] };
+        let red_on_black = |x: u32, y: u32| if (x + y).is_multiple_of(4) { [255, 0, 0, 255] } else { [0; 4] };
         let chain = chain(32, 32, AlphaUse::Blend, red_on_black);
         for level in &chain.levels[2..] {
             for [r, g, b, a] in level.texels.as_slice() {

@@ -21,8 +21,8 @@ shader_struct! {
         is_orthographic: u32,
         /// Where the camera stands, world.
         eye: Vec3,
-        /// Side of a sample's beam, world units: at distance 1 of a perspective camera, anywhere of an orthographic
-        /// one; 0 of the camera of the frame before, which sees no texture.
+        /// Side of a sample's beam, world units: at distance 1 of a perspective camera, anywhere of an
+        /// orthographic one; 0 of the camera of the frame before, which sees no texture.
         beam_side: f32,
     }
 }
