@@ -18,7 +18,7 @@ mod mip_chain;
 
 /// How many lookups at most share a long footprint among them: more keep distant ground sharper at grazing
 /// angles, for as much more time a fragment.
-pub const MOST_PROBES: u32 = 4;
+pub const MOST_PROBES: u32 = 2;
 /// The mantissa from which on the next level is the nearer one: the root of 2, by the logarithm of sizes.
 pub const NEXT_LEVEL: f32 = std::f32::consts::SQRT_2 - 1.0;
 
