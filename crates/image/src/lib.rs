@@ -19,7 +19,7 @@ pub use error::ImageError;
 pub use exr_file::{encode_exr, read_exr, write_exr};
 pub use metadata::Metadata;
 pub use output::{FileFormat, check_writable, write_frame};
-pub use planes::{Band, Pixel, Planes};
+pub use planes::{Band, Pixel, PixelLayers, Planes};
 pub use png_file::{encode_png, read_png, write_png};
 pub use raster::Image;
 pub use tone::{ToneCurve, display, display_over_black, u8_from_unit, unit_from_u8};

@@ -1,5 +1,7 @@
 //! What a rendered frame carries.
 
+use std::iter;
+
 use rayon::prelude::*;
 
 use crate::{Image, ImageError};
@@ -19,6 +21,42 @@ pub struct Pixel {
     pub primitive: u32,
     /// Whether a transparent fragment takes part in the pixel.
     pub transparent: bool,
+    /// What lies before the nearest opaque surface, and that surface.
+    pub layers: PixelLayers,
+}
+
+/// The two layers of a pixel, told apart at the nearest opaque surface on its ray: the *front*, everything
+/// transparent before it, and the *back*, that surface or the background.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PixelLayers {
+    /// Share of the front in what is seen, `1 - Π (1 - alpha)` over its fragments, 0 to 1.
+    pub coverage: f32,
+    /// Probability with which the shaded fragment was to be one of the front.
+    pub share: f32,
+    /// Whether it is one of the front.
+    pub is_front: bool,
+    /// Motion of the front as [`Pixel::motion`], of the point at the mean of its fragments by their shares of
+    /// the pixel.
+    pub front_motion: [f32; 2],
+    /// Depth of that point as [`Pixel::depth`].
+    pub front_depth: f32,
+    /// Motion of the back as [`Pixel::motion`].
+    pub back_motion: [f32; 2],
+    /// Depth of the back as [`Pixel::depth`].
+    pub back_depth: f32,
+}
+
+impl PixelLayers {
+    /// No front before an infinitely distant back.
+    pub const EMPTY: Self = Self {
+        coverage: 0.0,
+        share: 0.0,
+        is_front: false,
+        front_motion: [0.0; 2],
+        front_depth: f32::INFINITY,
+        back_motion: [0.0; 2],
+        back_depth: f32::INFINITY,
+    };
 }
 
 impl Pixel {
@@ -30,10 +68,12 @@ impl Pixel {
         instance: Planes::NO_ID,
         primitive: Planes::NO_ID,
         transparent: false,
+        layers: PixelLayers::EMPTY,
     };
 }
 
-/// What a rendered frame carries: six images of the same size, one for each field of [`Pixel`].
+/// What a rendered frame carries: images of the same size, one for each field of [`Pixel`]; the layers where
+/// they were asked for.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Planes {
     /// Linear RGBA, premultiplied.
@@ -48,6 +88,8 @@ pub struct Planes {
     pub primitive: Image<u32>,
     /// Whether a transparent fragment takes part in the pixel.
     pub transparent: Image<bool>,
+    /// What lies before the nearest opaque surface, and that surface.
+    pub layers: Option<Image<PixelLayers>>,
 }
 
 /// A few neighbouring rows of all planes, for writing.
@@ -69,6 +111,8 @@ pub struct Band<'a> {
     pub primitive: &'a mut [u32],
     /// The rows of [`Planes::transparent`].
     pub transparent: &'a mut [bool],
+    /// The rows of [`Planes::layers`].
+    pub layers: Option<&'a mut [PixelLayers]>,
 }
 
 impl Band<'_> {
@@ -91,6 +135,9 @@ impl Band<'_> {
         self.instance[at] = pixel.instance;
         self.primitive[at] = pixel.primitive;
         self.transparent[at] = pixel.transparent;
+        if let Some(layers) = &mut self.layers {
+            layers[at] = pixel.layers;
+        }
     }
 }
 
@@ -98,7 +145,7 @@ impl Planes {
     /// The instance and primitive of a pixel that sees nothing.
     pub const NO_ID: u32 = u32::MAX;
 
-    /// A frame that sees nothing.
+    /// A frame that sees nothing, without layers.
     ///
     /// # Errors
     /// [`ImageError::Size`] if a side is zero or memory does not suffice.
@@ -110,7 +157,17 @@ impl Planes {
             instance: Image::filled(width, height, Pixel::EMPTY.instance)?,
             primitive: Image::filled(width, height, Pixel::EMPTY.primitive)?,
             transparent: Image::filled(width, height, Pixel::EMPTY.transparent)?,
+            layers: None,
         })
+    }
+
+    /// A frame that sees nothing, with layers.
+    ///
+    /// # Errors
+    /// [`ImageError::Size`] if a side is zero or memory does not suffice.
+    pub fn with_layers(width: u32, height: u32) -> Result<Self, ImageError> {
+        let layers = Some(Image::filled(width, height, PixelLayers::EMPTY)?);
+        Ok(Self { layers, ..Self::new(width, height)? })
     }
 
     /// Width of all planes, pixels.
@@ -138,6 +195,7 @@ impl Planes {
             instance: self.instance[(x, y)],
             primitive: self.primitive[(x, y)],
             transparent: self.transparent[(x, y)],
+            layers: self.layers.as_ref().map_or(PixelLayers::EMPTY, |layers| layers[(x, y)]),
         }
     }
 
@@ -146,6 +204,11 @@ impl Planes {
         let width = self.width();
         let rows = rows.max(1);
         let pixels = width as usize * rows as usize;
+        let band_count = self.height().div_ceil(rows) as usize;
+        let layers: Vec<_> = match &mut self.layers {
+            Some(layers) => layers.as_mut_slice().chunks_mut(pixels).map(Some).collect(),
+            None => iter::repeat_with(|| None).take(band_count).collect(),
+        };
         self.colour
             .as_mut_slice()
             .par_chunks_mut(pixels)
@@ -154,17 +217,23 @@ impl Planes {
             .zip(self.instance.as_mut_slice().par_chunks_mut(pixels))
             .zip(self.primitive.as_mut_slice().par_chunks_mut(pixels))
             .zip(self.transparent.as_mut_slice().par_chunks_mut(pixels))
+            .zip(layers)
             .enumerate()
-            .map(move |(band, (((((colour, depth), motion), instance), primitive), transparent))| Band {
-                y: band as u32 * rows,
-                width,
-                colour,
-                depth,
-                motion,
-                instance,
-                primitive,
-                transparent,
-            })
+            .map(
+                move |(band, ((((((colour, depth), motion), instance), primitive), transparent), layers))| {
+                    Band {
+                        y: band as u32 * rows,
+                        width,
+                        colour,
+                        depth,
+                        motion,
+                        instance,
+                        primitive,
+                        transparent,
+                        layers,
+                    }
+                },
+            )
     }
 
     /// Checks that no plane was replaced by one of another size.
@@ -179,6 +248,7 @@ impl Planes {
             ("colour and instance plane", self.instance.size()),
             ("colour and primitive plane", self.primitive.size()),
             ("colour and transparent plane", self.transparent.size()),
+            ("colour plane and layers", self.layers.as_ref().map_or(first, Image::size)),
         ];
         match others.into_iter().find(|&(_, second)| second != first) {
             Some((what, second)) => Err(ImageError::SizesDiffer { what, first, second }),

@@ -95,7 +95,8 @@ pub trait Backend {
         index: u32,
     ) -> Result<(Counters, Timings), Self::Error>;
 
-    /// The picture so far: linear premultiplied colour accumulated, everything else of the last frame.
+    /// The picture so far: linear premultiplied colour accumulated, but for [`Settings::raw`], everything
+    /// else of the last frame.
     ///
     /// # Errors
     /// The device is lost, or there is no memory to read it back to.

@@ -39,7 +39,7 @@ pub use crate::{
     error::RenderError,
     method::{Method, MethodError},
     pipeline::Pipeline,
-    settings::{Background, FrameSettings, Settings},
+    settings::{Background, FrameSettings, LayerSplit, Settings},
     shadow::Shadow,
     stage::{LIFT, Moment, Stage},
     temporal::Antialiasing,

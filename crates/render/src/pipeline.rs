@@ -10,15 +10,16 @@ use crate::{
     cpu::Transparency,
     error::RenderError,
     method::Method,
-    settings::{FrameSettings, Settings},
+    settings::{FrameSettings, LayerSplit, Settings},
     stage::Stage,
-    temporal::{Antialiasing, History, jitter},
+    temporal::{Antialiasing, History, jitter, layers},
 };
 
 /// A method and its accumulated history. `M`: a [`Method`], or one of the caller's own.
 #[derive(Clone, Debug)]
 pub struct Pipeline<M = Method> {
     method: M,
+    antialiasing: Antialiasing,
     settings: Settings,
     history: History,
     steps: Vec<StepTime>,
@@ -40,14 +41,15 @@ impl<M: Transparency> Pipeline<M> {
     /// # Errors
     /// [`RenderError::Image`] if the size is zero or too much for the memory.
     pub fn with_own(method: M, antialiasing: Antialiasing, settings: Settings) -> Result<Self, RenderError> {
-        let history = History::new(antialiasing, settings.size)?;
-        Ok(Self { method, settings, history, steps: Vec::new() })
+        let added_up = if settings.raw { Antialiasing::NONE } else { antialiasing };
+        let history = History::new(added_up, settings.size)?;
+        Ok(Self { method, antialiasing, settings, history, steps: Vec::new() })
     }
 
     /// The clock to advance the stage by.
     #[must_use]
     pub fn clock(&self) -> Clock {
-        Clock::new(&self.settings, self.history.antialiasing())
+        Clock::new(&self.settings, self.antialiasing)
     }
 
     /// The method that frames are rendered with.
@@ -63,8 +65,9 @@ impl<M: Transparency> Pipeline<M> {
     /// [`RenderError::Image`] if the size is zero or too much for the memory.
     pub fn render(&mut self, stage: &Stage, index: u32) -> Result<(Counters, Timings), RenderError> {
         let frame = self.settings.first_frame + index;
-        let jitter = jitter(self.history.antialiasing(), frame);
-        let settings = FrameSettings { run: self.settings, frame, jitter };
+        let jitter = jitter(self.antialiasing, frame);
+        let layers = layers(self.antialiasing).or(self.settings.raw.then_some(LayerSplit::AS_SEEN));
+        let settings = FrameSettings { run: self.settings, frame, jitter, layers };
         let rendered = self.method.render(stage, &settings)?;
         self.steps = rendered.steps;
         let start = Instant::now();
@@ -85,7 +88,7 @@ impl<M: Transparency> Pipeline<M> {
         &self.steps
     }
 
-    /// The picture so far: colour accumulated, everything else of the last frame.
+    /// The picture so far: colour accumulated, but for [`Settings::raw`], everything else of the last frame.
     #[must_use]
     pub fn planes(&self) -> &Planes {
         self.history.planes()

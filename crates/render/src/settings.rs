@@ -31,6 +31,9 @@ pub struct Settings {
     pub start_secs: f32,
     /// Index of the first frame.
     pub first_frame: u32,
+    /// Whether frames stay as they were rendered: jittered as the anti-aliasing wants them, with their pixels
+    /// split into layers, and not added up.
+    pub raw: bool,
 }
 
 impl Default for Settings {
@@ -42,6 +45,7 @@ impl Default for Settings {
             shadow: Shadow::default(),
             start_secs: 0.0,
             first_frame: 0,
+            raw: false,
         }
     }
 }
@@ -56,4 +60,21 @@ pub struct FrameSettings {
     pub frame: u32,
     /// Offset of the sample from the pixel centre, pixels, each coordinate in (-0.5, 0.5).
     pub jitter: Vec2,
+    /// How pixels are split into layers, if they are; the planes have [`layers`](sheer_image::Planes::layers)
+    /// then.
+    pub layers: Option<LayerSplit>,
+}
+
+/// How pixels are split into what is transparent and what lies behind it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LayerSplit {
+    /// Where both layers are there, the shaded fragment is one of the front with a probability of the
+    /// coverage, but no less than this and no more than its complement; 0 to 0.5. A threshold method keeps
+    /// its own probability.
+    pub least_share: f32,
+}
+
+impl LayerSplit {
+    /// Each layer is shaded as often as it is seen, as it is without a split.
+    pub const AS_SEEN: Self = Self { least_share: 0.0 };
 }

@@ -4,6 +4,9 @@
 pub const MIN_ALPHA: f32 = 0.01;
 /// What lies behind this visibility is not looked for (STD Listing 2, `MIN_VISIBILITY`).
 pub const MIN_VISIBILITY: f32 = 0.001;
+/// A front through which no more than this is seen counts as all there is to a pixel: its layers are not told
+/// apart any further, and what lies behind is sampled as a part of it.
+pub const DENSE_VISIBILITY: f32 = 1.0 / 32.0;
 
 /// The samples of a pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -28,7 +28,9 @@ pub(crate) use self::family_keys::correction;
 pub use self::{
     alignment::{Alignment, AlignmentRule},
     family_keys::CORRECTION_PARAMETER,
-    fragment::{Fragment, MIN_ALPHA, MIN_VISIBILITY, Memory, PixelSite, Placement, Samples},
+    fragment::{
+        DENSE_VISIBILITY, Fragment, MIN_ALPHA, MIN_VISIBILITY, Memory, PixelSite, Placement, Samples,
+    },
     hybrid::Hybrid,
     info::{MethodInfo, ShaderConstant, ShaderTable, ShaderValue},
     ordered::{OrderedCompositing, Traversal},

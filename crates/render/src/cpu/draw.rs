@@ -7,7 +7,7 @@ use sheer_core::{colour::Premul, coverage::Correction};
 use sheer_image::{Image, Pixel, Planes};
 
 use super::{
-    layer_filter, samples,
+    layer_filter, layered, samples,
     tracer::Tracer,
     workspace::{Byproducts, Nanoseconds},
 };
@@ -15,7 +15,7 @@ use crate::{
     contract::{Hybrid, OrderedCompositing, Selection, Tables, Threshold, UnorderedCompositing, Visitor},
     cost::{Counters, StepTime},
     error::RenderError,
-    settings::{FrameSettings, Settings},
+    settings::{FrameSettings, LayerSplit, Settings},
     shadow::Shadows,
     stage::Stage,
 };
@@ -52,6 +52,14 @@ impl Visitor for Draw<'_> {
 
     fn threshold(self, method: &impl Threshold) -> Self::Output {
         let (tables, hybrid) = (Tables::get(), self.hybrid);
+        if self.splits_layers().is_some() {
+            return self.bands(|tracer, at, counters| {
+                let choose = layered::by_threshold(method, &tables, at);
+                tracer.layered(at, counters, choose, |tracer, ray, counters| {
+                    tracer.first_kept(method, &tables, at, ray, None, counters)
+                })
+            });
+        }
         self.bands(|tracer, at, counters| {
             tracer.stochastic(hybrid, at, counters, |tracer, ray, after, counters| {
                 tracer.first_kept(method, &tables, at, ray, after, counters)
@@ -62,6 +70,15 @@ impl Visitor for Draw<'_> {
     fn selection(self, method: &impl Selection) -> Self::Output {
         let (tables, hybrid) = (Tables::get(), self.hybrid);
         let FrameSettings { run: Settings { seed, .. }, frame, .. } = *self.settings;
+        if let Some(LayerSplit { least_share }) = self.splits_layers() {
+            return self.bands(|tracer, at, counters| {
+                let threshold = method.threshold(at, frame, seed, &tables);
+                let choose = layered::by_selection(threshold, least_share);
+                tracer.layered(at, counters, choose, |tracer, ray, counters| {
+                    tracer.first_exceeding(threshold, ray, None, counters)
+                })
+            });
+        }
         self.bands(|tracer, at, counters| {
             let threshold = method.threshold(at, frame, seed, &tables);
             tracer.stochastic(hybrid, at, counters, |tracer, ray, after, counters| {
@@ -102,6 +119,12 @@ impl Visitor for Draw<'_> {
 }
 
 impl Draw<'_> {
+    /// How pixels are to be split into layers, if they are: the exact fragments of a hybrid and the
+    /// stochastic one behind them are a single layer, as is what other methods composite.
+    fn splits_layers(&self) -> Option<LayerSplit> {
+        self.settings.layers.filter(|_| self.hybrid == Hybrid::NONE)
+    }
+
     /// Calls `trace` for every pixel, in parallel.
     fn bands(
         self,
@@ -117,7 +140,8 @@ impl Draw<'_> {
         trace: impl Fn(&mut Tracer<'_>, [u32; 2], &mut Counters) -> Pixel + Sync,
     ) -> Result<(Rendered, Byproducts), RenderError> {
         let [width, height] = self.settings.run.size;
-        let mut planes = Planes::new(width, height)?;
+        let planes = if self.settings.layers.is_some() { Planes::with_layers } else { Planes::new };
+        let mut planes = planes(width, height)?;
         let start = Instant::now();
         let FrameSettings { run: Settings { seed, shadow, .. }, frame, .. } = self.settings;
         let shadows = Shadows::new(self.stage, shadow, *frame, *seed)?;

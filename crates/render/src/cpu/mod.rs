@@ -3,6 +3,7 @@
 
 mod draw;
 mod layer_filter;
+mod layered;
 mod object_space;
 mod ordered;
 mod samples;

@@ -17,7 +17,7 @@ use crate::{
 
 /// What a stochastic ray found.
 pub(super) struct Found {
-    hit: Option<Hit>,
+    pub(super) hit: Option<Hit>,
     /// Whether the ray met something that is neither opaque nor nothing on its way.
     transparent: bool,
 }
@@ -140,7 +140,7 @@ impl Tracer<'_> {
     /// One traversal. A hit found late, in front of others, can only lower the visibility behind each of
     /// these, rounding included, so the end known so far is never nearer than the true one: what lies behind
     /// it is dropped at once and bounds the ray, and nothing is lost.
-    fn gather_front(
+    pub(super) fn gather_front(
         &mut self,
         camera_ray: &CameraRay,
         after: Option<Hit>,
@@ -181,7 +181,7 @@ impl Tracer<'_> {
         ended
     }
 
-    fn site(&self, method: &impl Threshold, at: [u32; 2], ray: &CameraRay, hit: &Hit) -> Site {
+    pub(super) fn site(&self, method: &impl Threshold, at: [u32; 2], ray: &CameraRay, hit: &Hit) -> Site {
         let object = self.stage.frame().object(hit.triangle);
         let (position_in_object, footprint_in_object) =
             if method.uses_object_space() { self.object_space(at, hit) } else { (Vec3::ZERO, 0.0) };

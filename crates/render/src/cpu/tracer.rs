@@ -4,7 +4,7 @@
 use glam::{Vec2, Vec3};
 use sheer_accel::{Hit, Ray};
 use sheer_core::{colour::Premul, coverage::Correction};
-use sheer_image::Pixel;
+use sheer_image::{Pixel, PixelLayers};
 use sheer_scene::{CameraPose, CameraRay, FaceSide, PixelBeam};
 
 use super::workspace::{Byproducts, Layer, Workspace};
@@ -98,23 +98,38 @@ impl<'a> Tracer<'a> {
     ) -> Pixel {
         let frame = self.stage.frame();
         let Some(hit) = hit else {
-            let before = frame.previous_camera().project_direction(ray.direction, self.size());
-            let motion = before.map_or(Vec2::ZERO, |before| before - sample).to_array();
-            return Pixel { colour: colour.to_array(), motion, transparent, ..Pixel::EMPTY };
+            let motion = self.motion_at_infinity(sample, ray);
+            let layers = PixelLayers { back_motion: motion, ..PixelLayers::EMPTY };
+            return Pixel { colour: colour.to_array(), motion, transparent, layers, ..Pixel::EMPTY };
         };
         let [position, previous_position] = frame.positions(hit.triangle, hit.u, hit.v);
-        // From projected to projected, not from the sample: so a still surface has a motion of exactly zero.
-        let now = frame.camera().project(position, self.size());
-        let before = frame.previous_camera().project(previous_position, self.size());
-        let motion = now.zip(before).map_or(Vec2::ZERO, |(now, before)| before - now).to_array();
+        let motion = self.motion_between(position, previous_position).to_array();
+        let depth = frame.camera().view_depth(position);
         Pixel {
             colour: colour.to_array(),
-            depth: frame.camera().view_depth(position),
+            depth,
             motion,
             instance: frame.object(hit.triangle).id,
             primitive: frame.primitive(hit.triangle),
             transparent,
+            // All of it is one layer, unless a method knows better.
+            layers: PixelLayers { back_motion: motion, back_depth: depth, ..PixelLayers::EMPTY },
         }
+    }
+
+    /// Motion in pixels of a point that was elsewhere in the frame before.
+    pub(super) fn motion_between(&self, position: Vec3, previous_position: Vec3) -> Vec2 {
+        let frame = self.stage.frame();
+        // From projected to projected, not from the sample: so a still surface has a motion of exactly zero.
+        let now = frame.camera().project(position, self.size());
+        let before = frame.previous_camera().project(previous_position, self.size());
+        now.zip(before).map_or(Vec2::ZERO, |(now, before)| before - now)
+    }
+
+    /// Motion in pixels of what is infinitely far away, which the camera's turning alone moves.
+    pub(super) fn motion_at_infinity(&self, sample: Vec2, ray: &CameraRay) -> [f32; 2] {
+        let before = self.stage.frame().previous_camera().project_direction(ray.direction, self.size());
+        before.map_or(Vec2::ZERO, |before| before - sample).to_array()
     }
 
     pub(super) fn ray(&self, ray: &CameraRay) -> Ray {
