@@ -101,6 +101,9 @@ works! {
         "Random Allocations", "Winston", 1978;
     LAINE_KARRAS_2011: ["Laine, S.", "Karras, T."],
         "Stratified Sampling for Stochastic Transparency", "Computer Graphics Forum 30 (4)", 2011;
+    LEE_1980: ["Lee, J.-S."],
+        "Digital Image Enhancement and Noise Filtering by Use of Local Statistics",
+        "IEEE Transactions on Pattern Analysis and Machine Intelligence 2 (2)", 1980;
     LEMIRE_2019: ["Lemire, D."],
         "Fast Random Integer Generation in an Interval", "ACM Transactions on Modeling and Computer Simulation 29 (1)", 2019;
     LIU_2010: ["Liu, F.", "Huang, M.-C.", "Liu, X.-H.", "Wu, E.-H."],

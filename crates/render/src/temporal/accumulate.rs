@@ -8,7 +8,8 @@ use sheer_image::{ImageError, Planes};
 use super::{
     align::Reprojection,
     jitter::halton,
-    technique::{AntialiasingInfo, Technique},
+    layer_history::LayerHistory,
+    technique::{AntialiasingInfo, Past, Technique},
 };
 
 /// The row of the technique in lists and help, and what a GPU needs of it.
@@ -40,20 +41,19 @@ impl Technique for Accumulate {
 
     fn resolve(
         &self,
-        history: &Planes,
+        past: &Past,
         current: &mut Planes,
-        count: u32,
         _: Reprojection,
-    ) -> Result<(), ImageError> {
-        let weight = 1.0 / (count as f32 + 1.0);
-        current.colour.par_rows_mut().zip(history.colour.par_rows()).for_each(|(current, mean)| {
+    ) -> Result<Option<LayerHistory>, ImageError> {
+        let weight = 1.0 / (past.count as f32 + 1.0);
+        current.colour.par_rows_mut().zip(past.planes.colour.par_rows()).for_each(|(current, mean)| {
             for (current, mean) in current.iter_mut().zip(mean) {
                 *current = std::array::from_fn(|channel| {
                     mean[channel] + (current[channel] - mean[channel]) * weight
                 });
             }
         });
-        Ok(())
+        Ok(None)
     }
 
     fn values(&self) -> Vec<String> {

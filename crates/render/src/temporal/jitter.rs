@@ -2,6 +2,10 @@
 
 use glam::Vec2;
 
+/// Samples before the jitter repeats: an exponential average of weight 0.1 forgets in about as many, and 16
+/// is coprime to the 9 frames of the STD walk, so that every threshold meets every offset.
+pub(super) const JITTER_PERIOD: u32 = 16;
+
 /// Offset from the pixel centre, each coordinate in (-0.5, 0.5) pixels: Halton's sequence of bases 2 and 3,
 /// at an index from 1 on.
 pub(super) fn halton(index: u32) -> Vec2 {

@@ -9,14 +9,19 @@ use sheer_core::parameter::{Values, split_name};
 use sheer_image::{ImageError, Planes};
 
 pub use self::technique::AntialiasingInfo;
-use self::{align::Reprojection, technique::Technique};
+use self::{
+    align::Reprojection,
+    technique::{Past, Technique},
+};
 use crate::{
     contract::Alignment,
-    settings::{FrameSettings, Settings},
+    settings::{FrameSettings, LayerSplit, Settings},
 };
 
 pub mod align;
 mod jitter;
+mod layer_history;
+mod resample;
 mod technique;
 
 /// Why there is no such technique.
@@ -90,6 +95,7 @@ techniques! {
     none::None,
     accumulate::Accumulate,
     taa::Taa,
+    layered::Layered,
 }
 
 /// How frames are added up (`-a`), with its parameters. Parse one from `name:key=value,key=value`; it prints
@@ -105,7 +111,9 @@ impl Antialiasing {
     /// The plain mean of jittered frames of one moment: for stills and references.
     pub const ACCUMULATE: Self = Self { kind: Kind::Accumulate(accumulate::Accumulate) };
     /// Temporal anti-aliasing by reprojection (Salvi 2016).
-    pub const TAA: Self = Self { kind: Kind::Taa(taa::Taa) };
+    pub const TAA: Self = Self { kind: Kind::Taa(taa::Taa::DEFAULT) };
+    /// Temporal anti-aliasing of what is transparent and what lies behind it, each by itself.
+    pub const LAYERED: Self = Self { kind: Kind::Layered(layered::Layered::DEFAULT) };
 
     /// Each key with its value, as they would be typed.
     pub fn values(&self) -> impl Iterator<Item = (&'static str, String)> {
@@ -139,13 +147,18 @@ pub fn jitter(antialiasing: Antialiasing, frame: u32) -> Vec2 {
     antialiasing.technique().jitter(frame)
 }
 
+/// How the technique wants the pixels of each frame split into layers, if it does.
+#[must_use]
+pub fn layers(antialiasing: Antialiasing) -> Option<LayerSplit> {
+    antialiasing.technique().layers()
+}
+
 /// What has been added up: what [`crate::Pipeline`] keeps from frame to frame, and what other backends are
 /// measured against.
 #[derive(Clone, Debug)]
 pub struct History {
     antialiasing: Antialiasing,
-    planes: Planes,
-    count: u32,
+    past: Past,
 }
 
 impl History {
@@ -154,19 +167,14 @@ impl History {
     /// # Errors
     /// [`ImageError::Size`] if a side is zero or memory does not suffice.
     pub fn new(antialiasing: Antialiasing, [width, height]: [u32; 2]) -> Result<Self, ImageError> {
-        Ok(Self { antialiasing, planes: Planes::new(width, height)?, count: 0 })
-    }
-
-    /// How frames are added up.
-    #[must_use]
-    pub fn antialiasing(&self) -> Antialiasing {
-        self.antialiasing
+        let past = Past { planes: Planes::new(width, height)?, layers: None, count: 0 };
+        Ok(Self { antialiasing, past })
     }
 
     /// The picture so far: colour added up, everything else of the last frame.
     #[must_use]
     pub fn planes(&self) -> &Planes {
-        &self.planes
+        &self.past.planes
     }
 
     /// Takes in the next frame, of a method whose motion vectors are aligned like this
@@ -180,13 +188,10 @@ impl History {
         alignment: Alignment,
         settings: &FrameSettings,
     ) -> Result<(), ImageError> {
-        if self.count > 0 {
-            let FrameSettings { run: Settings { size, seed, .. }, frame, .. } = *settings;
-            let reprojection = Reprojection { alignment, size, frame, seed };
-            self.antialiasing.technique().resolve(&self.planes, &mut current, self.count, reprojection)?;
-        }
-        self.count += 1;
-        self.planes = current;
+        let FrameSettings { run: Settings { size, seed, .. }, frame, .. } = *settings;
+        let reprojection = Reprojection { alignment, size, frame, seed };
+        let layers = self.antialiasing.technique().resolve(&self.past, &mut current, reprojection)?;
+        self.past = Past { planes: current, layers, count: self.past.count + 1 };
         Ok(())
     }
 }
@@ -239,7 +244,9 @@ mod tests {
         for (frame, &value) in (0..).zip(values) {
             let mut planes = Planes::new(1, 1).unwrap();
             planes.colour[(0, 0)] = [value; 4];
-            history.add(planes, Alignment::NONE, &FrameSettings { run, frame, jitter: Vec2::ZERO }).unwrap();
+            history
+                .add(planes, Alignment::NONE, &FrameSettings { run, frame, jitter: Vec2::ZERO, layers: None })
+                .unwrap();
         }
         history.planes().colour[(0, 0)]
     }

@@ -6,7 +6,8 @@ use sheer_image::{ImageError, Planes};
 
 use super::{
     align::Reprojection,
-    technique::{AntialiasingInfo, Technique},
+    layer_history::LayerHistory,
+    technique::{AntialiasingInfo, Past, Technique},
 };
 
 /// The row of the technique in lists and help, and what a GPU needs of it.
@@ -36,8 +37,8 @@ impl Technique for None {
         Vec2::ZERO
     }
 
-    fn resolve(&self, _: &Planes, _: &mut Planes, _: u32, _: Reprojection) -> Result<(), ImageError> {
-        Ok(())
+    fn resolve(&self, _: &Past, _: &mut Planes, _: Reprojection) -> Result<Option<LayerHistory>, ImageError> {
+        Ok(Option::None)
     }
 
     fn values(&self) -> Vec<String> {

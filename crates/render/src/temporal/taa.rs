@@ -2,14 +2,19 @@
 //! average of reprojected history, rectified by the mean and variance of the new frame's neighbourhood (STD
 //! section 2.1, Eq. 2).
 
-use glam::{Vec2, Vec3, Vec3A, Vec4};
-use sheer_core::{bibliography, parameter::Values};
+use glam::{Vec2, Vec4};
+use sheer_core::{
+    bibliography,
+    parameter::{ParameterInfo, ParameterRange, Values},
+};
 use sheer_image::{Image, ImageError, Planes};
 
 use super::{
     align::Reprojection,
-    jitter::halton,
-    technique::{AntialiasingInfo, Technique},
+    jitter::{JITTER_PERIOD, halton},
+    layer_history::LayerHistory,
+    resample::{Place, rgba_from_ycocga, ycocga_from_rgba},
+    technique::{AntialiasingInfo, Past, Technique},
 };
 use crate::contract::{AlignmentRule, ShaderConstant, ShaderValue};
 
@@ -21,41 +26,57 @@ pub(super) const INFO: AntialiasingInfo = AntialiasingInfo {
     works: &[&bibliography::SALVI_2016, &bibliography::STD],
     stores: "the average colour",
     time_stands_still: false,
-    parameters: &[],
+    parameters: &[
+        ParameterInfo {
+            key: "weight",
+            default: "0.1",
+            range: ParameterRange::Real(0.001, 1.0),
+            what: "of the new frame, once the history holds as many frames as that takes",
+        },
+        ParameterInfo {
+            key: "radius",
+            default: "3",
+            range: ParameterRange::Count(1, 8),
+            what: "of the neighbourhood that history is clipped to where transparent fragments are, pixels",
+        },
+        ParameterInfo {
+            key: "sigma",
+            default: "1",
+            range: ParameterRange::Real(0.0, 100.0),
+            what: "standard deviations of the neighbourhood that history may lie from its mean",
+        },
+    ],
     constants: &[
-        ShaderConstant::real("NEW_FRAME_WEIGHT", NEW_FRAME_WEIGHT),
-        ShaderConstant::real("CLIP_SIGMAS", CLIP_SIGMAS),
         ShaderConstant::real("LEAST_DEVIATION", LEAST_DEVIATION),
         ShaderConstant::real("DEAD_ZONE", AlignmentRule::DEAD_ZONE),
-        // Signed as here: they are loop bounds on both sides of zero.
+        // Signed as here: it is a loop bound on both sides of zero.
         ShaderConstant { name: "OPAQUE_RADIUS", value: ShaderValue::I32(OPAQUE_RADIUS as i32) },
-        ShaderConstant { name: "TRANSPARENT_RADIUS", value: ShaderValue::I32(TRANSPARENT_RADIUS as i32) },
     ],
 };
 
-/// Samples before the jitter repeats: an exponential average of weight 0.1 forgets in about as many, and 16
-/// is coprime to the 9 frames of the STD walk, so that every threshold meets every offset.
-const JITTER_PERIOD: u32 = 16;
-
-/// Weight of the new frame (STD Eq. 2).
-const NEW_FRAME_WEIGHT: f32 = 0.1;
-/// History is kept within this many standard deviations of the neighbourhood's mean.
-const CLIP_SIGMAS: f32 = 1.0;
 /// Radius of the neighbourhood of an opaque surface, pixels: 3×3.
 const OPAQUE_RADIUS: i64 = 1;
-/// Radius of the neighbourhood where transparent fragments are, pixels: 7×7 (STD section 3.2).
-const TRANSPARENT_RADIUS: i64 = 3;
 
 /// An even neighbourhood has no deviation to divide by: this one instead.
 const LEAST_DEVIATION: f32 = 1e-6;
 
-/// Temporal anti-aliasing with the constants of STD.
+/// Temporal anti-aliasing; the defaults are the constants of STD.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Taa;
+pub(super) struct Taa {
+    /// Weight of the new frame (STD Eq. 2).
+    weight: f32,
+    /// Radius of the neighbourhood where transparent fragments are, pixels.
+    radius: u32,
+    /// History is kept within this many standard deviations of the neighbourhood's mean.
+    sigmas: f32,
+}
 
 impl Taa {
-    pub(super) fn new(_: &Values) -> Self {
-        Self
+    /// With the constants of STD.
+    pub(super) const DEFAULT: Self = Self { weight: 0.1, radius: 3, sigmas: 1.0 };
+
+    pub(super) fn new(values: &Values) -> Self {
+        Self { weight: values.real("weight"), radius: values.count("radius"), sigmas: values.real("sigma") }
     }
 }
 
@@ -66,116 +87,83 @@ impl Technique for Taa {
 
     fn resolve(
         &self,
-        history: &Planes,
+        past: &Past,
         current: &mut Planes,
-        count: u32,
         reprojection: Reprojection,
-    ) -> Result<(), ImageError> {
-        current.colour = resolve(current, &history.colour, count, reprojection)?;
-        Ok(())
+    ) -> Result<Option<LayerHistory>, ImageError> {
+        if past.count > 0 {
+            current.colour = self.averaged(current, &past.planes.colour, past.count, reprojection)?;
+        }
+        Ok(None)
     }
 
     fn values(&self) -> Vec<String> {
-        Vec::new()
+        vec![self.weight.to_string(), self.radius.to_string(), self.sigmas.to_string()]
     }
 }
 
-/// The new history: `current` blended with `history`, the result of `count` earlier frames.
-fn resolve(
-    current: &Planes,
-    history: &Image<[f32; 4]>,
-    count: u32,
-    reprojection: Reprojection,
-) -> Result<Image<[f32; 4]>, ImageError> {
-    let (width, height) = current.colour.size();
-    let ycocg = current.colour.par_map(|[r, g, b, _]| ycocg_from_rgb(Vec3A::new(*r, *g, *b)));
-    // A young history is a plain mean: the average would take 30 frames to forget the first one.
-    let weight = NEW_FRAME_WEIGHT.max(1.0 / (count as f32 + 1.0));
-    Image::par_from_fn(width, height, |x, y| {
-        let new = Vec4::from(current.colour[(x, y)]);
-        let transparent = current.transparent[(x, y)];
-        let motion = Vec2::from(current.motion[(x, y)]);
-        // Only where the pattern shows: opaque surfaces would smear for nothing.
-        let motion = if transparent { reprojection.aligned(motion, [x, y]) } else { motion };
-        let Some(old) = fetch(history, Vec2::new(x as f32, y as f32) + motion) else {
-            return new.to_array();
-        };
-        let radius = if transparent { TRANSPARENT_RADIUS } else { OPAQUE_RADIUS };
-        let clipped = clip(old, &ycocg, [x, y], radius, reprojection.alignment.rule);
-        (clipped + (new - clipped) * weight).to_array()
-    })
-}
+impl Taa {
+    /// The new history: `current` blended with `history`, the result of `count` earlier frames.
+    fn averaged(
+        self,
+        current: &Planes,
+        history: &Image<[f32; 4]>,
+        count: u32,
+        reprojection: Reprojection,
+    ) -> Result<Image<[f32; 4]>, ImageError> {
+        let (width, height) = current.colour.size();
+        let ycocga = current.colour.par_map(|&rgba| ycocga_from_rgba(rgba));
+        // A young history is a plain mean: the average would take 30 frames to forget the first one.
+        let weight = self.weight.max(1.0 / (count as f32 + 1.0));
+        Image::par_from_fn(width, height, |x, y| {
+            let new = Vec4::from(current.colour[(x, y)]);
+            let transparent = current.transparent[(x, y)];
+            let motion = Vec2::from(current.motion[(x, y)]);
+            // Only where the pattern shows: opaque surfaces would smear for nothing.
+            let motion = if transparent { reprojection.aligned(motion, [x, y]) } else { motion };
+            let Some(place) = Place::inside(history.size(), Vec2::new(x as f32, y as f32) + motion) else {
+                return new.to_array();
+            };
+            let old = place.sharp(history, |&rgba| rgba.into());
+            let radius = if transparent { self.radius.into() } else { OPAQUE_RADIUS };
+            let clipped = self.clip(old, &ycocga, [x, y], radius, reprojection.alignment.rule);
+            (clipped + (new - clipped) * weight).to_array()
+        })
+    }
 
-/// Pulls history into the ellipsoid of the neighbourhood, along the line to its mean; alpha as it is. With
-/// [`AlignmentRule::DeadZone`] into the box around the ellipsoid, each channel by itself.
-fn clip(old: Vec4, ycocg: &Image<Vec3A>, [x, y]: [u32; 2], radius: i64, rule: AlignmentRule) -> Vec4 {
-    let (mut sum, mut squares) = (Vec3A::ZERO, Vec3A::ZERO);
-    for dy in -radius..=radius {
-        for dx in -radius..=radius {
-            let neighbour = *ycocg.get_clamped(i64::from(x) + dx, i64::from(y) + dy);
-            sum += neighbour;
-            squares += neighbour * neighbour;
+    /// Pulls history into the ellipsoid of the neighbourhood, along the line to its mean: colour and alpha
+    /// together, so that neither leaves the other behind. With [`AlignmentRule::DeadZone`] into the box
+    /// around the ellipsoid, each channel by itself.
+    fn clip(
+        self,
+        old: Vec4,
+        ycocga: &Image<Vec4>,
+        [x, y]: [u32; 2],
+        radius: i64,
+        rule: AlignmentRule,
+    ) -> Vec4 {
+        let (mut sum, mut squares) = (Vec4::ZERO, Vec4::ZERO);
+        for dy in -radius..=radius {
+            for dx in -radius..=radius {
+                let neighbour = *ycocga.get_clamped(i64::from(x) + dx, i64::from(y) + dy);
+                sum += neighbour;
+                squares += neighbour * neighbour;
+            }
         }
-    }
-    let count = ((2 * radius + 1) * (2 * radius + 1)) as f32;
-    let mean = sum / count;
-    let deviation = (squares / count - mean * mean).max(Vec3A::ZERO).map(f32::sqrt) * CLIP_SIGMAS;
-    let offset = ycocg_from_rgb(Vec3A::from(old.truncate())) - mean;
-    if rule == AlignmentRule::DeadZone {
-        return Vec3::from(rgb_from_ycocg(mean + offset.clamp(-deviation, deviation))).extend(old.w);
-    }
-    // Length of the offset in standard deviations; an even neighbourhood leaves no room.
-    let reach = (offset / deviation.max(Vec3A::splat(LEAST_DEVIATION))).length();
-    if reach <= 1.0 {
-        return old;
-    }
-    Vec3::from(rgb_from_ycocg(mean + offset / reach)).extend(old.w)
-}
-
-/// History at a point in pixels (origin at the first pixel's centre); `None` outside the picture.
-fn fetch(history: &Image<[f32; 4]>, at: Vec2) -> Option<Vec4> {
-    let (width, height) = history.size();
-    let inside = at.x > -0.5 && at.y > -0.5 && at.x < width as f32 - 0.5 && at.y < height as f32 - 0.5;
-    if !inside {
-        return None;
-    }
-    let low = at.floor();
-    let share = at - low;
-    let (column, row) = (low.x as i64, low.y as i64);
-    let texel = |dx: i64, dy: i64| Vec4::from(*history.get_clamped(column + dx, row + dy));
-    if share == Vec2::ZERO {
-        return Some(texel(0, 0));
-    }
-    // Catmull-Rom keeps edges that bilinear lookups would blur a little more in every frame.
-    let (wx, wy) = (catmull_rom(share.x), catmull_rom(share.y));
-    let mut sum = Vec4::ZERO;
-    for (dy, wy) in (-1..).zip(wy) {
-        for (dx, wx) in (-1..).zip(wx) {
-            sum += texel(dx, dy) * (wx * wy);
+        let count = ((2 * radius + 1) * (2 * radius + 1)) as f32;
+        let mean = sum / count;
+        let deviation = (squares / count - mean * mean).max(Vec4::ZERO).map(f32::sqrt) * self.sigmas;
+        let offset = ycocga_from_rgba(old.to_array()) - mean;
+        if rule == AlignmentRule::DeadZone {
+            return rgba_from_ycocga(mean + offset.clamp(-deviation, deviation)).into();
         }
+        // Length of the offset in standard deviations; an even neighbourhood leaves no room.
+        let reach = (offset / deviation.max(Vec4::splat(LEAST_DEVIATION))).length();
+        if reach <= 1.0 {
+            return old;
+        }
+        rgba_from_ycocga(mean + offset / reach).into()
     }
-    Some(sum.max(Vec4::ZERO))
-}
-
-/// Weights of the four samples around a point at `s` between the middle two.
-fn catmull_rom(s: f32) -> [f32; 4] {
-    let (s2, s3) = (s * s, s * s * s);
-    [
-        0.5 * (-s3 + 2.0 * s2 - s),
-        0.5 * (3.0 * s3 - 5.0 * s2 + 2.0),
-        0.5 * (-3.0 * s3 + 4.0 * s2 + s),
-        0.5 * (s3 - s2),
-    ]
-}
-
-fn ycocg_from_rgb(rgb: Vec3A) -> Vec3A {
-    let Vec3 { x: r, y: g, z: b } = rgb.into();
-    Vec3A::new(0.25 * r + 0.5 * g + 0.25 * b, 0.5 * (r - b), -0.25 * r + 0.5 * g - 0.25 * b)
-}
-
-fn rgb_from_ycocg(ycocg: Vec3A) -> Vec3A {
-    let Vec3 { x: y, y: co, z: cg } = ycocg.into();
-    Vec3A::new(y + co - cg, y + cg, y - co - cg)
 }
 
 #[cfg(test)]
@@ -192,24 +180,10 @@ mod tests {
     }
 
     #[test]
-    fn ycocg_round_trips() {
-        let rgb = Vec3A::new(0.2, 0.9, 3.0);
-        assert!((rgb_from_ycocg(ycocg_from_rgb(rgb)) - rgb).abs().max_element() < 1e-6);
-    }
-
-    #[test]
-    fn catmull_rom_weights_sum_to_one_and_interpolate() {
-        for step in 0..=10 {
-            assert!((catmull_rom(step as f32 / 10.0).iter().sum::<f32>() - 1.0).abs() < 1e-6);
-        }
-        assert_eq!(catmull_rom(0.0), [0.0, 1.0, 0.0, 0.0]);
-    }
-
-    #[test]
     fn an_even_neighbourhood_forgets_wrong_history_at_once() {
         let current = planes(8, 8, |_, _| 0.25);
         let history = Image::filled(8, 8, [1.0; 4]).unwrap();
-        let result = resolve(&current, &history, 100, STILL).unwrap();
+        let result = Taa::DEFAULT.averaged(&current, &history, 100, STILL).unwrap();
         assert!((result[(4, 4)][0] - 0.25).abs() < 1e-4);
     }
 
@@ -217,7 +191,7 @@ mod tests {
     fn plausible_history_keeps_nine_tenths() {
         let current = planes(9, 9, |x, y| ((x + y) % 2) as f32);
         let history = Image::filled(9, 9, [0.5; 4]).unwrap();
-        let result = resolve(&current, &history, 100, STILL).unwrap();
+        let result = Taa::DEFAULT.averaged(&current, &history, 100, STILL).unwrap();
         assert!((result[(4, 4)][0] - 0.45).abs() < 1e-5, "{:?}", result[(4, 4)]);
     }
 
@@ -230,14 +204,30 @@ mod tests {
         let clipped = |old: [f32; 4]| {
             let history = Image::filled(9, 9, old).unwrap();
             [STILL, Reprojection { alignment, ..STILL }].map(|reprojection| {
-                Vec4::from(resolve(&current, &history, 100, reprojection).unwrap()[(4, 4)])
+                Vec4::from(Taa::DEFAULT.averaged(&current, &history, 100, reprojection).unwrap()[(4, 4)])
             })
         };
-        let [ellipsoid, boxed] = clipped([0.6, 0.6, 0.6, 1.0]);
+        let [ellipsoid, boxed] = clipped([0.6, 0.6, 0.6, 0.5]);
         assert!((ellipsoid - boxed).abs().max_element() < 1e-5, "{ellipsoid} {boxed}");
-        let [ellipsoid, boxed] = clipped([0.8, 0.85, 0.8, 1.0]);
+        let [ellipsoid, boxed] = clipped([0.8, 0.85, 0.8, 0.5]);
         assert!((boxed.y - 0.9 * 0.825).abs() < 1e-4 && (boxed.x - boxed.y).abs() < 1e-4, "{boxed}");
         assert!((ellipsoid.y - 0.9 * 4.0 / 9.0).abs() < 1e-3, "{ellipsoid}");
+    }
+
+    #[test]
+    fn what_has_gone_takes_its_opacity_with_it() {
+        // A red card of opacity 0.5 was here; nothing is now.
+        let mut current = planes(9, 9, |_, _| 0.0);
+        let history = Image::filled(9, 9, [0.3, 0.0, 0.0, 0.5]).unwrap();
+        let result = Taa::DEFAULT.averaged(&current, &history, 100, STILL).unwrap();
+        assert!(Vec4::from(result[(4, 4)]).abs().max_element() < 1e-4, "{:?}", result[(4, 4)]);
+        // At its edge colour and opacity go together.
+        current.colour =
+            Image::from_fn(9, 9, |x, _| if x < 5 { [0.0; 4] } else { [0.3, 0.0, 0.0, 0.5] }).unwrap();
+        let result = Taa::DEFAULT.averaged(&current, &history, 100, STILL).unwrap();
+        for pixel in result.as_slice() {
+            assert!((pixel[0] - 0.6 * pixel[3]).abs() < 1e-5, "{pixel:?}");
+        }
     }
 
     #[test]
@@ -246,7 +236,7 @@ mod tests {
         current.motion = Image::filled(8, 8, [-2.0, 0.0]).unwrap();
         current.transparent = Image::filled(8, 8, true).unwrap();
         let history = Image::from_fn(8, 8, |x, _| [x as f32 + 2.0; 4]).unwrap();
-        let result = resolve(&current, &history, 100, STILL).unwrap();
+        let result = Taa::DEFAULT.averaged(&current, &history, 100, STILL).unwrap();
         assert!((result[(4, 4)][0] - 4.0).abs() < 1e-4, "what was at 2 is now at 4");
         assert_eq!(result[(1, 4)][0], 1.0, "nothing was seen beyond the edge");
     }

@@ -4,8 +4,8 @@ use glam::Vec2;
 use sheer_core::{bibliography::Work, parameter::ParameterInfo};
 use sheer_image::{ImageError, Planes};
 
-use super::align::Reprojection;
-use crate::contract::ShaderConstant;
+use super::{align::Reprojection, layer_history::LayerHistory};
+use crate::{contract::ShaderConstant, settings::LayerSplit};
 
 /// A technique's row in lists and help, and what a GPU needs of it.
 #[derive(Clone, Copy, Debug)]
@@ -28,23 +28,37 @@ pub struct AntialiasingInfo {
     pub constants: &'static [ShaderConstant],
 }
 
+/// What has been added up of the frames before.
+#[derive(Clone, Debug)]
+pub(super) struct Past {
+    /// The picture; nothing yet before the first frame.
+    pub(super) planes: Planes,
+    /// What a technique keeps of each layer.
+    pub(super) layers: Option<LayerHistory>,
+    /// How many frames.
+    pub(super) count: u32,
+}
+
 /// How frames are added up.
 pub(super) trait Technique: Sync {
     /// Offset of a frame's sample from the pixel centre, each coordinate in (-0.5, 0.5) pixels.
     fn jitter(&self, frame: u32) -> Vec2;
 
-    /// Turns a new frame into the picture so far. `history` is that picture after `count` earlier frames, at
-    /// least one.
+    /// How it wants the pixels of each frame split into layers, if it does.
+    fn layers(&self) -> Option<LayerSplit> {
+        None
+    }
+
+    /// Turns a new frame into the picture so far, and returns what else is to be kept.
     ///
     /// # Errors
     /// [`ImageError::Size`] if memory does not suffice.
     fn resolve(
         &self,
-        history: &Planes,
+        past: &Past,
         current: &mut Planes,
-        count: u32,
         reprojection: Reprojection,
-    ) -> Result<(), ImageError>;
+    ) -> Result<Option<LayerHistory>, ImageError>;
 
     /// The value of each key, as it would be typed.
     fn values(&self) -> Vec<String>;

@@ -1,0 +1,77 @@
+//! What is kept of the layers of each pixel from frame to frame.
+
+use glam::Vec4;
+use sheer_image::Image;
+
+/// Depth in place of infinity, which cannot be scaled.
+pub(super) const FARTHEST: f32 = 1e30;
+
+/// What has been averaged of one layer of a pixel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Mean {
+    /// YCoCg and alpha, premultiplied.
+    pub(super) colour: Vec4,
+    /// Mean weight of the samples.
+    pub(super) weight: f32,
+    /// How many samples; no more than the weight of a new one allows.
+    pub(super) count: f32,
+    /// Variance of their luma.
+    pub(super) variance: f32,
+}
+
+/// What is kept of a pixel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Kept {
+    pub(super) front: Mean,
+    pub(super) back: Mean,
+    /// Mean coverage, and of how many frames.
+    pub(super) coverage: f32,
+    pub(super) coverage_count: f32,
+    pub(super) back_depth: f32,
+}
+
+/// What is kept of the layers of all pixels.
+#[derive(Clone, Debug)]
+pub(super) struct LayerHistory(pub(super) Image<Kept>);
+
+/// One of the layers of a pixel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Side {
+    Front,
+    Back,
+}
+
+impl Mean {
+    pub(super) const NONE: Self = Self { colour: Vec4::ZERO, weight: 0.0, count: 0.0, variance: 0.0 };
+
+    /// With another sample: the mean of all samples by their weights, exponential once the new one's share
+    /// has fallen to `least_gain`.
+    pub(super) fn plus(self, colour: Vec4, weight: f32, least_gain: f32) -> Self {
+        let count = (self.count + 1.0).min(1.0 / least_gain);
+        let mean_weight = self.weight + (weight - self.weight) / count;
+        if mean_weight <= 0.0 {
+            return self;
+        }
+        let gain = (weight / (count * mean_weight)).min(1.0);
+        let offset = colour - self.colour;
+        let variance = (1.0 - gain) * (self.variance + gain * offset.x * offset.x);
+        Self { colour: self.colour + offset * gain, weight: mean_weight, count, variance }
+    }
+}
+
+impl Kept {
+    pub(super) const NONE: Self = Self {
+        front: Mean::NONE,
+        back: Mean::NONE,
+        coverage: 0.0,
+        coverage_count: 0.0,
+        back_depth: FARTHEST,
+    };
+
+    pub(super) fn mean(&self, side: Side) -> &Mean {
+        match side {
+            Side::Front => &self.front,
+            Side::Back => &self.back,
+        }
+    }
+}
