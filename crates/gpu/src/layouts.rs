@@ -5,7 +5,7 @@ use wgpu::{BindGroupEntry, BindGroupLayoutEntry, BufferBindingType, ShaderStages
 
 use crate::{
     resource::bind_group::{buffer_entry, group_of, layout, read_only_entry, whole},
-    shader::binding::{BIND_COUNTERS, BIND_FRAME, BIND_PIXELS, BIND_SURFACES, BIND_TABLES},
+    shader::binding::{BIND_COUNTERS, BIND_FRAME, BIND_LAYERS, BIND_PIXELS, BIND_SURFACES, BIND_TABLES},
 };
 
 /// Layouts of groups 0 and 1.
@@ -18,21 +18,21 @@ pub(crate) struct Layouts {
 }
 
 impl Layouts {
-    /// `scene` lays out the stage's part of group 0, `maps` the shadow maps' part of group 1, which is empty
-    /// without maps.
+    /// `scene` lays out the stage's part of group 0, `more` what group 1 has beside what all passes write:
+    /// the layers of the pixels and the shadow maps, where there are any.
     pub(crate) fn new(
         device: &wgpu::Device,
         scene: &[BindGroupLayoutEntry],
-        maps: &[BindGroupLayoutEntry],
+        more: &[BindGroupLayoutEntry],
     ) -> Self {
-        let [group_0, group_1] = Self::entries(scene, maps);
+        let [group_0, group_1] = Self::entries(scene, more);
         Self { scene: layout(device, "scene", &group_0), pass: layout(device, "pass", &group_1) }
     }
 
     /// The entries of groups 0 and 1.
     pub(crate) fn entries(
         scene: &[BindGroupLayoutEntry],
-        maps: &[BindGroupLayoutEntry],
+        more: &[BindGroupLayoutEntry],
     ) -> [Vec<BindGroupLayoutEntry>; 2] {
         let every = ShaderStages::VERTEX_FRAGMENT | ShaderStages::COMPUTE;
         let writers = ShaderStages::FRAGMENT | ShaderStages::COMPUTE;
@@ -44,8 +44,14 @@ impl Layouts {
         let written = [BIND_PIXELS, BIND_COUNTERS, BIND_SURFACES];
         let read_write = BufferBindingType::Storage { read_only: false };
         let mut group_1 = written.map(|binding| buffer_entry(binding, writers, read_write)).to_vec();
-        group_1.extend(maps);
+        group_1.extend(more);
         [group_0, group_1]
+    }
+
+    /// What group 1 has of the layers.
+    pub(crate) fn layers_entry() -> BindGroupLayoutEntry {
+        let read_write = BufferBindingType::Storage { read_only: false };
+        buffer_entry(BIND_LAYERS, ShaderStages::COMPUTE, read_write)
     }
 
     /// Group 0; `stage` binds what the scene consists of.
@@ -60,16 +66,16 @@ impl Layouts {
         group_of(device, "scene", &self.scene, &entries)
     }
 
-    /// Group 1; `maps` binds the shadow maps, if there are any.
+    /// Group 1; `more` binds the layers and the shadow maps, where there are any.
     pub(crate) fn pass_group<'a>(
         &self,
         device: &wgpu::Device,
         [pixels, counters, surfaces]: [&'a wgpu::Buffer; 3],
-        maps: impl IntoIterator<Item = BindGroupEntry<'a>>,
+        more: impl IntoIterator<Item = BindGroupEntry<'a>>,
     ) -> wgpu::BindGroup {
         let mut entries =
             vec![whole(BIND_PIXELS, pixels), whole(BIND_COUNTERS, counters), whole(BIND_SURFACES, surfaces)];
-        entries.extend(maps);
+        entries.extend(more);
         group_of(device, "pass", &self.pass, &entries)
     }
 }

@@ -20,7 +20,7 @@ use sheer_image::Planes;
 use sheer_render::{
     Antialiasing, Clock, Counters, Method, Settings, StepTime, Timings,
     contract::{Alignment, Hybrid, Raster},
-    temporal::jitter,
+    temporal::{jitter, layers},
 };
 use wgpu::{BufferUsages, util::DeviceExt};
 
@@ -31,13 +31,17 @@ use crate::{
     frame::FrameParameters,
     layouts::Layouts,
     path::{GpuPath, GpuPathChoice, choose_path},
-    pixels::{PIXEL_BYTES, read_planes},
+    pixels::{LAYERS_BYTES, PIXEL_BYTES, read_planes},
     raster::{RasterPath, multisample::Sampling, plan::raster_of},
-    ray::{RayPath, Search},
+    ray::{OneLayer, RayPath, Search},
     recording::{Groups, Recording},
-    resource::buffer::{buffer, pixel_buffer},
+    resource::{
+        bind_group::whole,
+        buffer::{buffer, pixel_buffer},
+    },
     shader::{
         Linker,
+        binding::BIND_LAYERS,
         record::{frame::FrameUniform, pixel::Counts},
     },
     shadow::{self, MapRays, MapSettings, ShadowMaps},
@@ -70,6 +74,10 @@ struct Resources {
     tables: wgpu::Buffer,
     pixels: wgpu::Buffer,
     surfaces: wgpu::Buffer,
+    /// What is known of the layers of each pixel, where the anti-aliasing asks for it.
+    layers: Option<wgpu::Buffer>,
+    /// Fills it where the executor does not.
+    whole: Option<OneLayer>,
     counters: wgpu::Buffer,
     counters_read: wgpu::Buffer,
     history: History,
@@ -106,6 +114,12 @@ impl GpuPipeline {
         antialiasing: Antialiasing,
         settings: Settings,
     ) -> Result<Self, GpuError> {
+        if settings.raw {
+            return Err(GpuError::Unsupported {
+                what: "frames as they were rendered (raw) are not to be had from the GPU".to_owned(),
+                instead: "use --backend cpu".to_owned(),
+            });
+        }
         let (path, notes) = choose_path(gpu, choice, &method)?;
         let resources = Resources::new(gpu, path, &method, antialiasing, &settings)?;
         Ok(Self {
@@ -215,8 +229,8 @@ impl GpuPipeline {
     /// # Errors
     /// The device is lost, or the machine has no memory for it.
     pub fn planes(&self) -> Result<Planes, GpuError> {
-        let Resources { pixels, history, .. } = &self.resources;
-        read_planes(&self.gpu, pixels, history.colour(), self.settings.size)
+        let Resources { pixels, layers, history, .. } = &self.resources;
+        read_planes(&self.gpu, pixels, history.colour(), layers.as_ref(), self.settings.size)
     }
 
     /// Bytes a pixel that the method takes on the device beyond the pixels themselves, their history and
@@ -254,12 +268,10 @@ impl Resources {
         let device = gpu.device();
         // What can be refused is, before anything is made.
         let maps = MapSettings::of(&settings.shadow)?;
-        let map_entries = maps.map(|_| ShadowMaps::layout_entries(ShadowMaps::READERS, true));
-        let layouts = Layouts::new(
-            &device,
-            &GpuStage::layout_entries(gpu.tracer()),
-            map_entries.as_ref().map_or(&[], |entries| &entries[..]),
-        );
+        let split = layers(antialiasing);
+        let mut more: Vec<_> = split.map(|_| Layouts::layers_entry()).into_iter().collect();
+        more.extend(maps.iter().flat_map(|_| ShadowMaps::layout_entries(ShadowMaps::READERS, true)));
+        let layouts = Layouts::new(&device, &GpuStage::layout_entries(gpu.tracer()), &more);
         // Memory that no technique differs in.
         let pixels = pixel_buffer(gpu, settings.size, "pixels", [PIXEL_BYTES, 0], BufferUsages::COPY_SRC)?;
         let usage = BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
@@ -280,6 +292,9 @@ impl Resources {
         });
         let surfaces =
             pixel_buffer(gpu, settings.size, "surfaces", [SURFACE_BYTES, 0], BufferUsages::empty())?;
+        let layers = split
+            .map(|_| pixel_buffer(gpu, settings.size, "layers", [LAYERS_BYTES, 0], BufferUsages::COPY_SRC))
+            .transpose()?;
         // Shaders: light first, since all that shades is linked with the way it is looked up.
         let mut linker = base_linker(gpu.tracer()).constants(table_words.constants());
         if let Some(maps) = maps {
@@ -287,8 +302,9 @@ impl Resources {
         }
         let shadows = maps.map(|maps| ShadowMaps::new(gpu, maps, &linker, &layouts)).transpose()?;
         let pass_group =
-            layouts.pass_group(&device, [&pixels, &counters, &surfaces], map_entries_of(shadows.as_ref()));
-        let executor = match (path, Search::of(method)) {
+            layouts.pass_group(&device, [&pixels, &counters, &surfaces], more_entries(&layers, &shadows));
+        let search = Search::of(method).map(|search| search.with_layers(split));
+        let executor = match (path, search) {
             (GpuPath::Ray, Some(search)) => {
                 Executor::Ray(RayPath::new(gpu, method, search, &linker, &layouts)?)
             }
@@ -296,6 +312,10 @@ impl Resources {
                 Executor::Raster(Box::new(RasterPath::new(gpu, method, search, settings, &linker, &layouts)?))
             }
         };
+        let whole = split
+            .filter(|_| !search.is_some_and(Search::splits_layers))
+            .map(|_| OneLayer::new(gpu, &linker, &layouts))
+            .transpose()?;
         // What becomes of the pixels, and what they take.
         let history = History::new(gpu, antialiasing, settings.size)?;
         let timer = Timer::new(&device, &gpu.queue(), MOST_PASSES);
@@ -307,6 +327,8 @@ impl Resources {
             tables,
             pixels,
             surfaces,
+            layers,
+            whole,
             counters,
             counters_read,
             history,
@@ -339,7 +361,7 @@ impl Resources {
             self.pass_group = self.layouts.pass_group(
                 &device,
                 [&self.pixels, &self.counters, &self.surfaces],
-                map_entries_of(self.shadows.as_ref()),
+                more_entries(&self.layers, &self.shadows),
             );
         }
         if self.scene_group.as_ref().is_none_or(|(version, _)| *version != stage.version()) {
@@ -364,11 +386,14 @@ impl Resources {
             Executor::Ray(path) => path.record(&mut recording, &groups),
             Executor::Raster(path) => path.record(&mut recording, &groups),
         }
+        if let Some(whole) = &self.whole {
+            whole.record(&mut recording, &groups);
+        }
         self.history.record(
             gpu,
             &mut encoder,
             &mut self.timer,
-            &self.pixels,
+            (&self.pixels, self.layers.as_ref()),
             alignment,
             [parameters.index, parameters.seed],
         );
@@ -402,9 +427,13 @@ impl Resources {
     }
 }
 
-/// What binds the shadow maps in group 1; nothing without maps.
-fn map_entries_of(shadows: Option<&ShadowMaps>) -> impl Iterator<Item = wgpu::BindGroupEntry<'_>> {
-    shadows.into_iter().flat_map(ShadowMaps::entries)
+/// What group 1 has beside what all passes write.
+fn more_entries<'a>(
+    layers: &'a Option<wgpu::Buffer>,
+    shadows: &'a Option<ShadowMaps>,
+) -> impl Iterator<Item = wgpu::BindGroupEntry<'a>> {
+    let layers = layers.iter().map(|layers| whole(BIND_LAYERS, layers));
+    layers.chain(shadows.iter().flat_map(ShadowMaps::entries))
 }
 
 /// What all methods have in common.

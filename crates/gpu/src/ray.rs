@@ -12,7 +12,7 @@
 //! instead of rays.
 
 use sheer_render::{
-    Method,
+    LayerSplit, Method,
     contract::{Hybrid, OrderedCompositing, Selection, Threshold, Traversal, UnorderedCompositing, Visitor},
 };
 
@@ -44,6 +44,8 @@ pub(crate) struct Search {
     pub(crate) hybrid: Hybrid,
     /// How many fragments one traversal keeps in order.
     layer_capacity: u32,
+    /// How pixels are split into layers, if they are.
+    split: Option<LayerSplit>,
 }
 
 struct SearchOf<'a>(&'a Method);
@@ -52,11 +54,21 @@ impl Visitor for SearchOf<'_> {
     type Output = Option<Search>;
 
     fn threshold(self, _: &impl Threshold) -> Option<Search> {
-        Some(Search { find: FIND_THRESHOLD, hybrid: self.0.hybrid(), layer_capacity: LAYER_CAPACITY })
+        Some(Search {
+            find: FIND_THRESHOLD,
+            hybrid: self.0.hybrid(),
+            layer_capacity: LAYER_CAPACITY,
+            split: None,
+        })
     }
 
     fn selection(self, _: &impl Selection) -> Option<Search> {
-        Some(Search { find: "pass/find_selection", hybrid: self.0.hybrid(), layer_capacity: LAYER_CAPACITY })
+        Some(Search {
+            find: "pass/find_selection",
+            hybrid: self.0.hybrid(),
+            layer_capacity: LAYER_CAPACITY,
+            split: None,
+        })
     }
 
     /// Nothing but the exact search stands for an ordered method; its fragments could be handed to none
@@ -66,7 +78,7 @@ impl Visitor for SearchOf<'_> {
             Traversal::Sorted => LAYER_CAPACITY,
             Traversal::Continuation => 1,
         };
-        let exact = Search { find: "pass/find_nothing", hybrid: Hybrid::EXACT, layer_capacity };
+        let exact = Search { find: "pass/find_nothing", hybrid: Hybrid::EXACT, layer_capacity, split: None };
         method.is_exact().then_some(exact)
     }
 
@@ -81,6 +93,17 @@ impl Search {
         method.visit(SearchOf(method))
     }
 
+    /// The same search when pixels are split into layers, which a hybrid's are not: its exact fragments and
+    /// the stochastic one behind them are a single layer.
+    pub(crate) fn with_layers(self, split: Option<LayerSplit>) -> Self {
+        Self { split: split.filter(|_| self.is_pure()), ..self }
+    }
+
+    /// Whether it leaves what it has found of the layers of each pixel.
+    pub(crate) fn splits_layers(self) -> bool {
+        self.split.is_some()
+    }
+
     /// Whether the method shades one fragment a pixel and nothing else: then finding it and shading it are
     /// two passes.
     pub(crate) fn is_pure(self) -> bool {
@@ -89,28 +112,37 @@ impl Search {
 
     /// The piece that goes through what is found, and its entry point.
     pub(crate) fn piece(self) -> (&'static str, &'static str) {
-        if self.is_pure() { ("pass/find", "cs_find") } else { ("pass/hybrid", "cs_trace") }
+        match self.split {
+            Some(_) => ("pass/find_layers", "cs_find"),
+            None if self.is_pure() => ("pass/find", "cs_find"),
+            None => ("pass/hybrid", "cs_trace"),
+        }
     }
 
     /// The shader of the ray path.
     pub(crate) fn link(self, linker: Linker) -> Result<Linked, GpuError> {
-        let linker = linker.alias("find", self.find).alias("tail", "shared/tail_none");
-        linker.constants(self.constants()).link(self.piece().0)
+        self.finding(linker).alias("tail", "shared/tail_none").link(self.piece().0)
     }
 
-    /// The piece that finds the fragment of a stochastic ray.
-    pub(crate) fn find(self) -> &'static str {
-        self.find
+    /// What the search says to the pieces that go through what is found.
+    pub(crate) fn finding(self, linker: Linker) -> Linker {
+        let choose =
+            if self.find == FIND_THRESHOLD { "pass/choose_threshold" } else { "pass/choose_selection" };
+        linker.alias("find", self.find).alias("choose", choose).constants(self.constants())
     }
 
     /// Whether fragments have to be met front to back.
     pub(crate) fn needs_order(self) -> bool {
-        self.hybrid != Hybrid::NONE || self.find != FIND_THRESHOLD
+        self.hybrid != Hybrid::NONE || self.find != FIND_THRESHOLD || self.split.is_some()
     }
 
     /// Emitted for the shader.
-    pub(crate) fn constants(self) -> String {
-        constant::text(&[Constant::new("LAYER_CAPACITY", self.layer_capacity)])
+    fn constants(self) -> String {
+        let least_share = self.split.map_or(0.0, |split| split.least_share);
+        constant::text(&[
+            Constant::new("LAYER_CAPACITY", self.layer_capacity),
+            Constant::new("LEAST_SHARE", least_share),
+        ])
     }
 }
 
@@ -168,6 +200,28 @@ impl Shade {
         let module = gpu.shader(&linker.link(piece)?)?;
         let pipeline =
             compute_pipeline(&gpu.device(), "shade", &[&layouts.scene, &layouts.pass], &module, "cs_shade");
+        gpu.check(piece)?;
+        Ok(Self(pipeline))
+    }
+
+    pub(crate) fn record(&self, recording: &mut Recording<'_>, groups: &Groups<'_>) {
+        recording.for_each_pixel(Self::STEP, &self.0, groups, None);
+    }
+}
+
+/// The pass that tells that each pixel is a single layer, after methods that do not tell layers apart.
+#[derive(Debug)]
+pub(crate) struct OneLayer(wgpu::ComputePipeline);
+
+impl OneLayer {
+    /// What the time of the pass is reported as.
+    pub(crate) const STEP: &str = "layers";
+
+    pub(crate) fn new(gpu: &Gpu, linker: &Linker, layouts: &Layouts) -> Result<Self, GpuError> {
+        let piece = "pass/one_layer";
+        let module = gpu.shader(&linker.link(piece)?)?;
+        let groups = [&layouts.scene, &layouts.pass];
+        let pipeline = compute_pipeline(&gpu.device(), Self::STEP, &groups, &module, "cs_one_layer");
         gpu.check(piece)?;
         Ok(Self(pipeline))
     }

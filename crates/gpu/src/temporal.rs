@@ -1,7 +1,7 @@
 //! Adding frames up over time, on the device: twin of [`sheer_render::temporal`]. The history never leaves it
 //! until it is read back.
 
-use sheer_render::{Antialiasing, contract::Alignment};
+use sheer_render::{Antialiasing, contract::Alignment, temporal::layers};
 use wgpu::{BufferBindingType, BufferUsages, ShaderStages};
 
 use crate::{
@@ -15,17 +15,29 @@ use crate::{
     },
     shader::{
         Linker,
-        binding::{BIND_HISTORY, BIND_NEW_PIXELS, BIND_NEXT_HISTORY, BIND_TEMPORAL},
+        binding::{
+            BIND_HISTORY, BIND_KEPT, BIND_MOVED, BIND_NEW_LAYERS, BIND_NEW_PIXELS, BIND_NEXT_HISTORY,
+            BIND_NEXT_KEPT, BIND_TEMPORAL,
+        },
         numbers::GROUP_SIDE,
-        record::temporal::TemporalUniform,
+        record::temporal::{KeptLayers, TemporalUniform},
     },
     timing::Timer,
 };
 
-/// The piece that adds a frame up; it imports the technique's own as `technique`.
-const PIECE: &str = "pass/resolve";
 /// What the time of adding up counts as.
 pub(crate) const STEP: &str = "temporal";
+/// Bytes of what is kept of a pixel's layers.
+const KEPT_BYTES: u64 = size_of::<KeptLayers>() as u64;
+
+/// The shader of a technique, and its entry points in their order: one pass that imports the technique's own
+/// piece as `technique`, or the passes of the piece itself where layers are added up.
+pub(crate) fn piece_of(antialiasing: &Antialiasing) -> (&'static str, &'static [&'static str]) {
+    match layers(*antialiasing) {
+        Some(_) => ("technique", &["cs_move", "cs_update", "cs_show"]),
+        None => ("pass/resolve", &["cs_resolve"]),
+    }
+}
 
 /// What has been added up. Two buffers take turns: the history that is read and the one that is written.
 #[derive(Debug)]
@@ -34,16 +46,32 @@ pub(crate) struct History {
     /// How many frames it has taken in.
     count: u32,
     layout: wgpu::BindGroupLayout,
-    pipeline: wgpu::ComputePipeline,
+    pipelines: Vec<wgpu::ComputePipeline>,
     uniform: wgpu::Buffer,
     colours: [wgpu::Buffer; 2],
+    layers: Option<LayerBuffers>,
+}
+
+/// What is kept of the layers of each pixel.
+#[derive(Debug)]
+struct LayerBuffers {
+    kept: [wgpu::Buffer; 2],
+    /// What is kept, where it is in the new frame.
+    moved: wgpu::Buffer,
+}
+
+impl LayerBuffers {
+    fn new(gpu: &Gpu, size: [u32; 2]) -> Result<Self, GpuError> {
+        let kept = |label| pixel_buffer(gpu, size, label, [KEPT_BYTES, 0], BufferUsages::empty());
+        Ok(Self { kept: [kept("layer history")?, kept("layer history")?], moved: kept("moved layers")? })
+    }
 }
 
 impl History {
-    /// A history of no frame, and the shader that takes frames in.
+    /// A history of no frame, and the shaders that take frames in.
     ///
     /// # Errors
-    /// The shader does not compile, or the picture is too large for a buffer.
+    /// A shader does not compile, or the picture is too large for a buffer.
     pub(crate) fn new(
         gpu: &Gpu,
         antialiasing: Antialiasing,
@@ -53,6 +81,7 @@ impl History {
         let colour =
             || pixel_buffer(gpu, [width, height], "history", [COLOUR_BYTES, 0], BufferUsages::COPY_SRC);
         let colours = [colour()?, colour()?];
+        let layers = layers(antialiasing).map(|_| LayerBuffers::new(gpu, [width, height])).transpose()?;
         let uniform_bytes = size_of::<TemporalUniform>() as u64;
         let uniform =
             buffer(&device, "temporal", uniform_bytes, BufferUsages::UNIFORM | BufferUsages::COPY_DST);
@@ -60,28 +89,37 @@ impl History {
             buffer_entry(binding, ShaderStages::COMPUTE, BufferBindingType::Storage { read_only })
         };
         let uniform_entry = buffer_entry(BIND_TEMPORAL, ShaderStages::COMPUTE, BufferBindingType::Uniform);
-        let entries = [
-            uniform_entry,
-            list(BIND_NEW_PIXELS, true),
-            list(BIND_HISTORY, true),
-            list(BIND_NEXT_HISTORY, false),
-        ];
+        let mut entries = vec![uniform_entry, list(BIND_NEW_PIXELS, true), list(BIND_NEXT_HISTORY, false)];
+        if layers.is_some() {
+            entries.extend([
+                list(BIND_NEW_LAYERS, true),
+                list(BIND_KEPT, true),
+                list(BIND_MOVED, false),
+                list(BIND_NEXT_KEPT, false),
+            ]);
+        } else {
+            entries.push(list(BIND_HISTORY, true));
+        }
         let layout = layout(&device, "temporal", &entries);
-        let module = gpu.shader(&Linker::new().antialiasing(&antialiasing).link(PIECE)?)?;
-        let pipeline = compute_pipeline(&device, "temporal", &[&layout], &module, "cs_resolve");
+        let (piece, entry_points) = piece_of(&antialiasing);
+        let module = gpu.shader(&Linker::new().antialiasing(&antialiasing).link(piece)?)?;
+        let pipelines = entry_points
+            .iter()
+            .map(|entry_point| compute_pipeline(&device, "temporal", &[&layout], &module, entry_point))
+            .collect();
         gpu.check("the history")?;
-        Ok(Self { size: [width, height], count: 0, layout, pipeline, uniform, colours })
+        Ok(Self { size: [width, height], count: 0, layout, pipelines, uniform, colours, layers })
     }
 
     /// Records that the next frame is taken in. One frame a submission: its settings are written before it
-    /// begins. `alignment` as in [`sheer_render::Method::alignment`], then frame index and seed of the
-    /// dithering.
+    /// begins. `layers` of the frame are there where the technique asks for them; `alignment` as in
+    /// [`sheer_render::Method::alignment`], then frame index and seed of the dithering.
     pub(crate) fn record(
         &mut self,
         gpu: &Gpu,
         encoder: &mut wgpu::CommandEncoder,
         timer: &mut Timer,
-        pixels: &wgpu::Buffer,
+        (pixels, layers): (&wgpu::Buffer, Option<&wgpu::Buffer>),
         alignment: Alignment,
         [frame, seed]: [u32; 2],
     ) {
@@ -91,21 +129,31 @@ impl History {
         let uniform = TemporalUniform { size, count, alignment_px, frame, seed, alignment_rule, padding: 0 };
         gpu.queue().write_buffer(&self.uniform, 0, bytemuck::bytes_of(&uniform));
         let [old, new] = if self.count.is_multiple_of(2) { [1, 0] } else { [0, 1] };
-        let entries = [
+        let mut entries = vec![
             whole(BIND_TEMPORAL, &self.uniform),
             whole(BIND_NEW_PIXELS, pixels),
-            whole(BIND_HISTORY, &self.colours[old]),
             whole(BIND_NEXT_HISTORY, &self.colours[new]),
         ];
+        match (&self.layers, layers) {
+            (Some(LayerBuffers { kept, moved }), Some(layers)) => entries.extend([
+                whole(BIND_NEW_LAYERS, layers),
+                whole(BIND_KEPT, &kept[old]),
+                whole(BIND_MOVED, moved),
+                whole(BIND_NEXT_KEPT, &kept[new]),
+            ]),
+            _ => entries.push(whole(BIND_HISTORY, &self.colours[old])),
+        }
         let group = group_of(&gpu.device(), "temporal", &self.layout, &entries);
-        let timestamp_writes = timer.compute_writes(STEP);
-        let descriptor = wgpu::ComputePassDescriptor { label: Some(STEP), timestamp_writes };
-        let mut pass = encoder.begin_compute_pass(&descriptor);
-        pass.set_pipeline(&self.pipeline);
-        pass.set_bind_group(0, &group, &[]);
         let [columns, rows] = self.size.map(|side| side.div_ceil(GROUP_SIDE));
-        pass.dispatch_workgroups(columns, rows, 1);
-        drop(pass);
+        // A pass each: what one writes, others read of their neighbours.
+        for pipeline in &self.pipelines {
+            let timestamp_writes = timer.compute_writes(STEP);
+            let descriptor = wgpu::ComputePassDescriptor { label: Some(STEP), timestamp_writes };
+            let mut pass = encoder.begin_compute_pass(&descriptor);
+            pass.set_pipeline(pipeline);
+            pass.set_bind_group(0, &group, &[]);
+            pass.dispatch_workgroups(columns, rows, 1);
+        }
         self.count += 1;
     }
 
@@ -121,7 +169,7 @@ mod tests {
     use glam::Vec2;
     use sheer_core::hash::Pcg32;
     use sheer_core::parameter::Choice as _;
-    use sheer_image::{Image, Pixel, Planes};
+    use sheer_image::{Image, Pixel, PixelLayers, Planes};
     use sheer_render::{
         FrameSettings, Settings,
         contract::AlignmentRule,
@@ -130,7 +178,14 @@ mod tests {
     use wgpu::util::DeviceExt as _;
 
     use super::*;
-    use crate::{device::AdapterChoice, pixels::read_planes, shader::record::pixel::PixelRecord};
+    use crate::{
+        device::AdapterChoice,
+        pixels::read_planes,
+        shader::{
+            numbers::NO_DEPTH,
+            record::pixel::{LayersRecord, PixelRecord},
+        },
+    };
 
     /// No multiple of a workgroup's side.
     const SIZE: [u32; 2] = [37, 21];
@@ -144,15 +199,27 @@ mod tests {
     /// A frame of noise, opaque and transparent, that moves by fractions of a pixel, by whole ones, not at
     /// all, and out of the picture.
     fn noise(random: &mut Pcg32) -> Planes {
-        let mut planes = Planes::new(SIZE[0], SIZE[1]).unwrap();
+        let mut planes = Planes::with_layers(SIZE[0], SIZE[1]).unwrap();
+        let motion = |random: &mut Pcg32| match random.below(4) {
+            0 => [0.0; 2],
+            1 => [random.below(9) as f32 - 4.0, random.below(9) as f32 - 4.0],
+            2 => [random.range(-50.0, 50.0), random.range(-50.0, 50.0)],
+            _ => [random.range(-4.0, 4.0), random.range(-4.0, 4.0)],
+        };
         let mut pixel = |_, _| {
-            let motion = match random.below(4) {
-                0 => [0.0; 2],
-                1 => [random.below(9) as f32 - 4.0, random.below(9) as f32 - 4.0],
-                2 => [random.range(-50.0, 50.0), random.range(-50.0, 50.0)],
-                _ => [random.range(-4.0, 4.0), random.range(-4.0, 4.0)],
-            };
+            let [motion, front_motion, back_motion] = [(); 3].map(|()| motion(random));
             let seen = random.below(8) > 0;
+            let coverage = [0.0, 1.0, random.range(0.01, 0.99)][random.below(3) as usize];
+            let share = if coverage > 0.0 && coverage < 1.0 { random.range(0.1, 0.9) } else { coverage };
+            let layers = PixelLayers {
+                coverage,
+                share,
+                is_front: random.next_f32() < share,
+                front_motion,
+                front_depth: if coverage > 0.0 { random.range(0.1, 9.0) } else { f32::INFINITY },
+                back_motion,
+                back_depth: if seen { random.range(2.0, 6.0) } else { f32::INFINITY },
+            };
             Pixel {
                 colour: [(); 4].map(|()| random.next_f32()),
                 motion,
@@ -160,6 +227,7 @@ mod tests {
                 instance: if seen { random.below(9) } else { Planes::NO_ID },
                 primitive: if seen { random.below(99) } else { Planes::NO_ID },
                 transparent: random.below(2) == 1,
+                layers,
             }
         };
         let pixels = Image::from_fn(SIZE[0], SIZE[1], &mut pixel).unwrap();
@@ -169,6 +237,7 @@ mod tests {
         planes.instance = pixels.par_map(|pixel| pixel.instance);
         planes.primitive = pixels.par_map(|pixel| pixel.primitive);
         planes.transparent = pixels.par_map(|pixel| pixel.transparent);
+        planes.layers = Some(pixels.par_map(|pixel| pixel.layers));
         planes
     }
 
@@ -189,6 +258,20 @@ mod tests {
         positions.map(record).collect()
     }
 
+    fn layer_records(planes: &Planes) -> Vec<LayersRecord> {
+        let record = |layers: &PixelLayers| LayersRecord {
+            coverage: layers.coverage,
+            share: layers.share,
+            front_motion: layers.front_motion.into(),
+            back_motion: layers.back_motion.into(),
+            front_depth: layers.front_depth.min(NO_DEPTH),
+            back_depth: layers.back_depth.min(NO_DEPTH),
+            is_front: u32::from(layers.is_front),
+            padding: 0,
+        };
+        planes.layers.as_ref().unwrap().as_slice().iter().map(record).collect()
+    }
+
     /// Adds frames up on the device, and reads the last state back.
     fn on_device(
         gpu: &Gpu,
@@ -199,19 +282,23 @@ mod tests {
     ) -> Planes {
         let (device, queue) = (gpu.device(), gpu.queue());
         let mut history = History::new(gpu, antialiasing, SIZE).unwrap();
-        let mut timer = Timer::new(&device, &queue, 1);
+        let mut timer = Timer::new(&device, &queue, 3);
         let mut planes = None;
         for (frame, current) in (0..).zip(frames) {
-            let pixels = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
-                label: None,
-                contents: bytemuck::cast_slice(&records(current)),
-                usage: BufferUsages::STORAGE | BufferUsages::COPY_SRC,
-            });
+            let buffer_of = |contents: &[u8]| {
+                device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+                    label: None,
+                    contents,
+                    usage: BufferUsages::STORAGE | BufferUsages::COPY_SRC,
+                })
+            };
+            let pixels = buffer_of(bytemuck::cast_slice(&records(current)));
+            let layers = buffer_of(bytemuck::cast_slice(&layer_records(current)));
             let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-            history.record(gpu, &mut encoder, &mut timer, &pixels, alignment, [frame, seed]);
+            history.record(gpu, &mut encoder, &mut timer, (&pixels, Some(&layers)), alignment, [frame, seed]);
             queue.submit([encoder.finish()]);
             gpu.check("adding up").unwrap();
-            planes = Some(read_planes(gpu, &pixels, history.colour(), SIZE).unwrap());
+            planes = Some(read_planes(gpu, &pixels, history.colour(), Some(&layers), SIZE).unwrap());
         }
         planes.unwrap()
     }
@@ -220,7 +307,7 @@ mod tests {
         let mut history = CpuHistory::new(antialiasing, SIZE).unwrap();
         for (frame, current) in (0..).zip(frames) {
             let run = Settings { size: SIZE, seed: SEED, ..Settings::default() };
-            let settings = FrameSettings { run, frame, jitter: Vec2::ZERO };
+            let settings = FrameSettings { run, frame, jitter: Vec2::ZERO, layers: None };
             history.add(current.clone(), alignment, &settings).unwrap();
         }
         history.planes().clone()

@@ -85,8 +85,7 @@ impl Lists {
 
     /// What makes pixels of lists as of rays.
     pub(crate) fn linker(linker: Linker, search: Search) -> Linker {
-        let linker = linker.alias("find", search.find()).constants(search.constants());
-        linker.alias("camera", "shared/traverse_list").alias("tail", "shared/listed")
+        search.finding(linker).alias("camera", "shared/traverse_list").alias("tail", "shared/listed")
     }
 
     /// With the shader of a plan for what becomes of the lists.

@@ -73,6 +73,8 @@ numbers! {
     BIND_SHADOW_MAP = 4;
     /// Group 1: the one fragment of each pixel that is shaded, for methods that have one.
     BIND_SURFACES = 5;
+    /// Group 1: `LayersRecord`s, where they are asked for.
+    BIND_LAYERS = 6;
 
     /// Group 2 of all raster techniques but visibility: the nearest opaque surface of each pixel.
     BIND_OPAQUE_SURFACES = 0;
@@ -113,6 +115,14 @@ numbers! {
     BIND_HISTORY = 2;
     /// Group 0 of passes that add frames up: the history with the frame.
     BIND_NEXT_HISTORY = 3;
+    /// Group 0 of passes that add layers up: the `LayersRecord`s of the frame.
+    BIND_NEW_LAYERS = 4;
+    /// Group 0 of passes that add layers up: the `KeptLayers` so far.
+    BIND_KEPT = 5;
+    /// Group 0 of passes that add layers up: the same, moved to where they are in the frame.
+    BIND_MOVED = 6;
+    /// Group 0 of passes that add layers up: the `KeptLayers` with the frame.
+    BIND_NEXT_KEPT = 7;
 
     /// Group 1 of tests' shaders: what they are asked.
     BIND_PROBE_IN = 0;

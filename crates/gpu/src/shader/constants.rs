@@ -41,7 +41,7 @@ macro_rules! constants {
 /// What all shaders may use.
 pub(crate) fn all() -> Vec<Constant> {
     let mut all = constants![
-        contract::{MIN_ALPHA, MIN_VISIBILITY, BLUE_NOISE_SIDE},
+        contract::{MIN_ALPHA, DENSE_VISIBILITY, MIN_VISIBILITY, BLUE_NOISE_SIDE},
         numbers::{
             MISS, NO_DEPTH, FAR_AWAY, EPSILON, LEAST_NORMAL, GREATEST, LARGEST_HALF, LIST_END, GROUP_SIDE, PROBE_GROUP,
             BACKGROUND_ENVIRONMENT, BACKGROUND_COLOUR, BACKGROUND_NONE,

@@ -3,7 +3,7 @@
 use std::{collections::BTreeSet, fs, path::Path, sync::Arc};
 
 use sheer_render::{
-    Antialiasing, Method,
+    Antialiasing, LayerSplit, Method,
     contract::Raster,
     method::{Family, variants},
     temporal::ANTIALIASINGS,
@@ -22,7 +22,7 @@ use crate::{
     shader::{Linker, linked::Linked},
     shadow::MapSettings,
     tables::Tables,
-    temporal::History,
+    temporal::{self, History},
 };
 
 fn linker(pieces: &[(&'static str, &'static str)]) -> Linker {
@@ -167,10 +167,10 @@ fn a_slip_in_a_shader_is_found() {
 }
 
 /// All shaders of both paths that a method may take, by name.
-fn passes_of(method: &Method, tracer: Tracer) -> Vec<(String, Linked)> {
+fn passes_of(method: &Method, tracer: Tracer, split: Option<LayerSplit>) -> Vec<(String, Linked)> {
     let plain = base_linker(tracer).constants(Tables::new(&[], [4, 0]).constants());
     let linker = plain.clone().method(method);
-    let Some(search) = Search::of(method) else {
+    let Some(search) = Search::of(method).map(|search| search.with_layers(split)) else {
         let raster = raster_of(method).unwrap().unwrap();
         let behind = ("pass/composite".to_owned(), plain.link("pass/composite").unwrap());
         // Targets of several samples have shaders and a test of their own.
@@ -201,8 +201,11 @@ fn every_pass_of_every_method_is_a_valid_shader() {
     let drawn = variants().filter(|method| raster_of(method).is_ok());
     for method in drawn.chain(hybrids) {
         for tracer in [Tracer::Query, Tracer::Bvh] {
-            for (piece, text) in passes_of(&method, tracer) {
-                validate(&text).unwrap_or_else(|error| panic!("{method}, {tracer:?}, {piece}: {error}"));
+            for split in [None, Some(LayerSplit { least_share: 0.25 })] {
+                for (piece, text) in passes_of(&method, tracer, split) {
+                    validate(&text)
+                        .unwrap_or_else(|error| panic!("{method}, {tracer:?}, {split:?}, {piece}: {error}"));
+                }
             }
         }
     }
@@ -262,8 +265,9 @@ fn every_pass_of_stochastic_transparency_is_a_valid_shader() {
 #[test]
 fn every_anti_aliasing_technique_is_a_valid_shader() {
     for info in ANTIALIASINGS {
-        let linker = Linker::new().antialiasing(&info.id.parse().unwrap());
-        validate(&linker.link("pass/resolve").unwrap())
+        let antialiasing: Antialiasing = info.id.parse().unwrap();
+        let linker = Linker::new().antialiasing(&antialiasing);
+        validate(&linker.link(temporal::piece_of(&antialiasing).0).unwrap())
             .unwrap_or_else(|error| panic!("{}: {error}", info.id));
     }
 }

@@ -173,7 +173,7 @@ impl<'b, B: Backend> Sides<'b, B> {
             z: None,
             pass,
         };
-        Ok(vec![
+        let mut checks = vec![
             check("other pixels", single.picture_share(), single.shows_same(tolerance)),
             check(
                 "other depth, motion or transparency",
@@ -181,7 +181,19 @@ impl<'b, B: Backend> Sides<'b, B> {
                 single.has_same_surfaces(tolerance),
             ),
             check("other pixels under taa", sum.picture_share(), sum.shows_same(over_time)),
-        ])
+        ];
+        // Layers are told apart where one fragment is shaded.
+        if method.family().shades_one_fragment() {
+            let (layered, _) = render(*backend, on_backend, method, Antialiasing::LAYERED, TAA_FRAMES)?;
+            let (expected, _) = render(&Cpu, on_cpu, method, Antialiasing::LAYERED, TAA_FRAMES)?;
+            let layered = Disagreement::measure(on_cpu, &expected, &layered, over_time)?;
+            checks.push(check(
+                "other pixels under layered",
+                layered.picture_share(),
+                layered.shows_same(over_time),
+            ));
+        }
+        Ok(checks)
     }
 }
 
@@ -396,14 +408,14 @@ mod tests {
             assert!(!passes(&faulty, method)[0], "{method}");
         }
         let depth = |planes: &mut Planes| planes.depth.as_mut_slice().iter_mut().for_each(|z| *z *= 1.01);
-        assert_eq!(passes(&Faulty { planes: depth, ..SOUND }, "std"), [true, false, true]);
+        assert_eq!(passes(&Faulty { planes: depth, ..SOUND }, "std"), [true, false, true, true]);
         // What is added up shows in colours alone.
         let dim = |planes: &mut Planes| {
             for pixel in planes.colour.as_mut_slice() {
                 *pixel = pixel.map(|value| 0.9 * value);
             }
         };
-        assert!(!passes(&Faulty { planes: dim, ..SOUND }, "std")[2]);
+        assert_eq!(passes(&Faulty { planes: dim, ..SOUND }, "std")[2..], [false, false]);
     }
 
     #[test]

@@ -26,6 +26,28 @@ shader_struct! {
 }
 
 shader_struct! {
+    /// What a frame knows of the layers of a pixel, as `sheer_image::PixelLayers`.
+    struct LayersRecord {
+        /// Share of the front in what is seen, 0 to 1.
+        coverage: f32,
+        /// Probability with which the shaded fragment was to be one of the front.
+        share: f32,
+        /// Pixels, as `PixelRecord::motion`.
+        front_motion: Vec2,
+        /// Pixels, as `PixelRecord::motion`.
+        back_motion: Vec2,
+        /// Along the view axis, scene units; NO_DEPTH without a front.
+        front_depth: f32,
+        /// Along the view axis, scene units; NO_DEPTH where nothing is.
+        back_depth: f32,
+        /// 1 where the shaded fragment is one of the front.
+        is_front: u32,
+        /// Fills the last row.
+        padding: u32,
+    }
+}
+
+shader_struct! {
     /// What a frame costs, as `sheer_render::Counters`: shaders see an array of words and name them by
     /// COUNTER_… .
     struct Counts {

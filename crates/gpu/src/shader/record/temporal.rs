@@ -23,3 +23,22 @@ shader_struct! {
         padding: u32,
     }
 }
+
+shader_struct! {
+    /// What layered accumulation keeps of a pixel.
+    struct KeptLayers {
+        /// Mean colour of the front: YCoCg and alpha, premultiplied.
+        front_colour: [f32; 4] => "vec4f",
+        /// Mean colour of the back.
+        back_colour: [f32; 4] => "vec4f",
+        /// Mean weight of the front's samples, their number, the variance of their luma, and the coverage.
+        front_sums: [f32; 4] => "vec4f",
+        /// Mean weight of the back's samples, their number, the variance of their luma, and the number of
+        /// coverages.
+        back_sums: [f32; 4] => "vec4f",
+        /// Depth of the back; NO_DEPTH where nothing is.
+        back_depth: f32,
+        /// Fills the last row.
+        padding: [u32; 3],
+    }
+}
