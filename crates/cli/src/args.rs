@@ -69,18 +69,28 @@ pub(crate) struct RenderArguments {
     #[command(flatten)]
     pub(crate) scene: SceneArguments,
     /// Transparency method, NAME or NAME:KEY=VALUE,…; `sheer methods` lists them.
-    #[arg(short, long, default_value = "std", value_parser = method)]
+    #[arg(short, long, default_value = "joint", value_parser = method)]
     pub(crate) method: Method,
     /// none: one sample through each pixel centre; accumulate: the mean of the frames of one moment; taa:
-    /// frames play and add up.
-    #[arg(short = 'a', long = "aa", value_name = "AA", default_value = "taa")]
+    /// frames play and add up; layered: the same for what is transparent and what lies behind it, each by
+    /// itself. Keys as those of methods: taa:weight=0.05,radius=2.
+    #[arg(short = 'a', long = "aa", value_name = "AA", default_value = "layered")]
     pub(crate) antialiasing: Antialiasing,
-    /// .png (sRGB, straight alpha) or .exr (linear, with depth, motion and ids); `####` or `%04d` in its
-    /// name: every frame.
+    /// .png (sRGB, straight alpha) or .exr (linear, with depth, motion, ids, the mask of transparent pixels,
+    /// and layers under `-a layered`); `####` or `%04d` in its name: every frame.
     ///
-    /// sheer-out/SCENE.png if not given.
+    /// sheer-out/SCENE.png if not given, .exr with --raw.
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
+    /// Write each frame as it was rendered, not added up: its one sample a pixel, the layers of methods that
+    /// shade one fragment, depth, motion and ids, with its jitter beside them; to .exr, on the CPU.
+    ///
+    /// What a temporal technique or an upscaler is fed with, or learns from. Samples are offset from the
+    /// pixel centres by sheer.jitter.X and sheer.jitter.Y (pixels, y down), attributes of the file like
+    /// sheer.frame and sheer.seed; -a says how: none does not jitter. Without `####` in the name it is the
+    /// first frame.
+    #[arg(long)]
+    pub(crate) raw: bool,
     #[command(flatten)]
     pub(crate) frames: FrameArguments,
     #[command(flatten)]
@@ -97,10 +107,10 @@ pub(crate) struct CompareArguments {
     pub(crate) scene: SceneArguments,
     /// Transparency method, NAME or NAME:KEY=VALUE,…; give as many as you like. baseline always takes part as
     /// the reference.
-    #[arg(short, long = "method", value_name = "METHOD", default_values = STD_METHODS, value_parser = method)]
+    #[arg(short, long = "method", value_name = "METHOD", default_values = COMPARED_METHODS, value_parser = method)]
     pub(crate) methods: Vec<Method>,
-    /// none, accumulate or taa; give as many as you like.
-    #[arg(short = 'a', long = "aa", value_name = "AA", default_value = "taa")]
+    /// none, accumulate, taa or layered, each with keys as methods have them; give as many as you like.
+    #[arg(short = 'a', long = "aa", value_name = "AA", default_value = "layered")]
     pub(crate) antialiasings: Vec<Antialiasing>,
     /// What methods are held against: same (baseline under the same anti-aliasing) or truth[:samples=N] (the
     /// exact answer with N samples a pixel at the moment of each frame, 32 if not given, for the last quarter
@@ -152,7 +162,7 @@ pub(crate) struct CalibrateArguments {
     /// Transparency method, NAME or NAME:KEY=VALUE,…; `sheer methods` lists them.
     #[arg(short, long, default_value = "std", value_parser = method)]
     pub(crate) method: Method,
-    /// none, accumulate or taa.
+    /// none, accumulate, taa or layered, each with keys as methods have them.
     #[arg(short = 'a', long = "aa", value_name = "AA", default_value = "taa")]
     pub(crate) antialiasing: Antialiasing,
     /// JSON file for the coefficients, to be given as METHOD:correction=FILE; - for stdout in place of the
@@ -221,6 +231,8 @@ pub(crate) struct VerifyArguments {
     pub(crate) machine: MachineArguments,
 }
 
+/// What is compared unless the user says: the methods of the STD paper, and our own.
+const COMPARED_METHODS: [&str; 7] = ["baseline", "joint", "roulette", "std", "dtaa", "dtaa-unique", "stbn"];
 /// The methods of the STD paper, the exact one first.
 const STD_METHODS: [&str; 6] = ["baseline", "roulette", "std", "dtaa", "dtaa-unique", "stbn"];
 

@@ -9,7 +9,9 @@ use std::{
 };
 
 use anyhow::Context as _;
-use sheer_image::{ImageError, Metadata, Planes, ToneCurve, check_writable, write_frame, write_whole};
+use sheer_image::{
+    FileFormat, ImageError, Metadata, Planes, ToneCurve, check_writable, write_frame, write_whole,
+};
 
 /// The folder of outputs that were not named.
 pub(crate) const FOLDER: &str = "sheer-out";
@@ -131,12 +133,11 @@ impl PictureOutput {
         }
     }
 
-    /// Finds out whether the frames can be written: their folder and ending are the same for all, so the
-    /// first one tells.
-    pub(crate) fn check(&self, first_frame: u32) -> anyhow::Result<()> {
+    /// Finds out whether the frames can be written, and in which format: their folder and ending are the same
+    /// for all, so the first one tells.
+    pub(crate) fn check(&self, first_frame: u32) -> anyhow::Result<FileFormat> {
         let _interruptions_wait = writing();
-        check_writable(&self.path(first_frame))?;
-        Ok(())
+        Ok(check_writable(&self.path(first_frame))?)
     }
 
     /// Writes the file of a frame.

@@ -35,6 +35,7 @@ impl FrameArguments {
             shadow: Shadow::default(),
             start_secs: self.time,
             first_frame: self.first_frame,
+            raw: false,
         }
     }
 }

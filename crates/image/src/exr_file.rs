@@ -10,12 +10,66 @@ use exr::meta::header::LayerAttributes;
 use exr::prelude::{ReadChannels, ReadLayers, WritableImage};
 
 use crate::metadata::SOFTWARE;
-use crate::{ImageError, Metadata, Planes, TextureLimits, write_whole};
+use crate::{Image, ImageError, Metadata, PixelLayers, Planes, TextureLimits, write_whole};
 
-/// Encodes a frame as one scan line part with the channels `R G B A` (premultiplied linear light), `depth.Z`
-/// (scene units, infinite where nothing is), `motion.X motion.Y` (pixels), all 32-bit float, and `instance.ID
-/// primitive.ID`, 32-bit unsigned. The mask of transparent pixels is not stored. The same frame gives the
-/// same bytes.
+/// A channel of [`PixelLayers`].
+struct LayerChannel {
+    name: &'static str,
+    get: fn(&PixelLayers) -> f32,
+    set: fn(&mut PixelLayers, f32),
+}
+
+/// The channels of [`Planes::layers`]; a file has layers if it has the first of them.
+const LAYER_CHANNELS: [LayerChannel; 9] = [
+    LayerChannel { name: "front.coverage", get: |of| of.coverage, set: |of, to| of.coverage = to },
+    LayerChannel { name: "front.share", get: |of| of.share, set: |of, to| of.share = to },
+    LayerChannel { name: "front.shaded", get: |of| mask(of.is_front), set: |of, to| of.is_front = to > 0.5 },
+    LayerChannel {
+        name: "front.motion.X",
+        get: |of| of.front_motion[0],
+        set: |of, to| of.front_motion[0] = to,
+    },
+    LayerChannel {
+        name: "front.motion.Y",
+        get: |of| of.front_motion[1],
+        set: |of, to| of.front_motion[1] = to,
+    },
+    LayerChannel { name: "front.depth.Z", get: |of| of.front_depth, set: |of, to| of.front_depth = to },
+    LayerChannel { name: "back.motion.X", get: |of| of.back_motion[0], set: |of, to| of.back_motion[0] = to },
+    LayerChannel { name: "back.motion.Y", get: |of| of.back_motion[1], set: |of, to| of.back_motion[1] = to },
+    LayerChannel { name: "back.depth.Z", get: |of| of.back_depth, set: |of, to| of.back_depth = to },
+];
+
+/// What a channel has for yes and no.
+fn mask(is: bool) -> f32 {
+    if is { 1.0 } else { 0.0 }
+}
+
+/// Encodes a frame as one scan line part. The same frame gives the same bytes. Its channels are 32-bit float,
+/// ids 32-bit unsigned:
+///
+/// | channels | what | unit |
+/// |---|---|---|
+/// | `R G B A` | colour, premultiplied by alpha | linear light |
+/// | `depth.Z` | distance along the view axis, infinite where nothing is | scene units |
+/// | `motion.X motion.Y` | where the surface was in the last frame, minus where it is | pixels, y down |
+/// | `instance.ID primitive.ID` | the surface, [`Planes::NO_ID`] where nothing is | |
+/// | `transparent.mask` | whether a transparent fragment takes part in the pixel | 0 or 1 |
+///
+/// and, of a frame with [`Planes::layers`] (see [`PixelLayers`]):
+///
+/// | channels | what | unit |
+/// |---|---|---|
+/// | `front.coverage` | share of the front in what is seen | 0 to 1 |
+/// | `front.share` | probability with which the shaded fragment was to be one of the front | 0 to 1 |
+/// | `front.shaded` | whether it is one of the front | 0 or 1 |
+/// | `front.motion.X front.motion.Y` | motion of the front | pixels, y down |
+/// | `front.depth.Z` | depth of the front, infinite where there is none | scene units |
+/// | `back.motion.X back.motion.Y` | motion of the back | pixels, y down |
+/// | `back.depth.Z` | depth of the back, infinite where it is the background | scene units |
+///
+/// The *front* is everything transparent before the nearest opaque surface, the *back* that surface or the
+/// background.
 ///
 /// # Errors
 /// [`ImageError::SizesDiffer`], [`ImageError::MetadataKey`] or [`ImageError::Encode`].
@@ -32,6 +86,7 @@ pub fn encode_exr(planes: &Planes, metadata: &Metadata) -> Result<Vec<u8>, Image
     };
     let motion =
         |axis: usize| FlatSamples::F32(planes.motion.as_slice().iter().map(|motion| motion[axis]).collect());
+    let transparent = planes.transparent.as_slice().iter().map(|&is| mask(is)).collect();
     let channels = [
         ("R", colour(0)),
         ("G", colour(1)),
@@ -42,8 +97,13 @@ pub fn encode_exr(planes: &Planes, metadata: &Metadata) -> Result<Vec<u8>, Image
         ("motion.Y", motion(1)),
         ("instance.ID", FlatSamples::U32(planes.instance.as_slice().to_vec())),
         ("primitive.ID", FlatSamples::U32(planes.primitive.as_slice().to_vec())),
+        ("transparent.mask", FlatSamples::F32(transparent)),
     ];
-    let channels = channels.into_iter().map(|(name, samples)| AnyChannel::new(name, samples));
+    let layers = planes.layers.iter().flat_map(|layers| {
+        let samples = |get| FlatSamples::F32(layers.as_slice().iter().map(get).collect());
+        LAYER_CHANNELS.iter().map(move |&LayerChannel { name, get, .. }| (name, samples(get)))
+    });
+    let channels = channels.into_iter().chain(layers).map(|(name, samples)| AnyChannel::new(name, samples));
 
     let size = Vec2(planes.width() as usize, planes.height() as usize);
     let layer = Layer::new(size, attributes, Encoding::SMALL_LOSSLESS, AnyChannels::sort(channels.collect()));
@@ -95,7 +155,7 @@ pub fn write_exr(path: &Path, planes: &Planes, metadata: &Metadata) -> Result<()
 }
 
 /// Reads what [`write_exr`] writes. `R`, `G` and `B` are needed; a missing `A` is opaque, other missing
-/// channels see nothing, and no pixel counts as transparent. Half floats are widened.
+/// channels see nothing; without `front.coverage` there are no layers. Half floats are widened.
 ///
 /// # Errors
 /// [`ImageError::Read`], [`ImageError::TooLarge`] above the default [`TextureLimits`], or
@@ -128,31 +188,28 @@ pub fn read_exr(path: &Path) -> Result<Planes, ImageError> {
     let find = |name: &str| layer.channel_data.list.iter().find(|channel| channel.name.eq(name));
     for (index, name) in ["R", "G", "B", "A"].into_iter().enumerate() {
         match find(name) {
-            Some(channel) => {
-                let values = channel.sample_data.values_as_f32();
-                planes
-                    .colour
-                    .as_mut_slice()
-                    .iter_mut()
-                    .zip(values)
-                    .for_each(|(rgba, value)| rgba[index] = value);
-            }
+            Some(channel) => fill(&mut planes.colour, channel, |rgba, value| rgba[index] = value),
             None if name == "A" => {}
             None => return Err(failed(format!("the channel {name} is missing"))),
         }
     }
     if let Some(channel) = find("depth.Z") {
-        planes
-            .depth
-            .as_mut_slice()
-            .iter_mut()
-            .zip(channel.sample_data.values_as_f32())
-            .for_each(|(z, v)| *z = v);
+        fill(&mut planes.depth, channel, |depth, value| *depth = value);
     }
     for (axis, name) in ["motion.X", "motion.Y"].into_iter().enumerate() {
         if let Some(channel) = find(name) {
-            let values = channel.sample_data.values_as_f32();
-            planes.motion.as_mut_slice().iter_mut().zip(values).for_each(|(motion, v)| motion[axis] = v);
+            fill(&mut planes.motion, channel, |motion, value| motion[axis] = value);
+        }
+    }
+    if let Some(channel) = find("transparent.mask") {
+        fill(&mut planes.transparent, channel, |is, value| *is = value > 0.5);
+    }
+    if find(LAYER_CHANNELS[0].name).is_some() {
+        let layers = planes.layers.insert(Image::filled(width, height, PixelLayers::EMPTY)?);
+        for LayerChannel { name, set, .. } in &LAYER_CHANNELS {
+            if let Some(channel) = find(name) {
+                fill(layers, channel, set);
+            }
         }
     }
     for (name, plane) in [("instance.ID", &mut planes.instance), ("primitive.ID", &mut planes.primitive)] {
@@ -165,6 +222,12 @@ pub fn read_exr(path: &Path) -> Result<Planes, ImageError> {
         }
     }
     Ok(planes)
+}
+
+/// Sets something of each pixel to the values of a channel.
+fn fill<T>(plane: &mut Image<T>, channel: &AnyChannel<FlatSamples>, set: impl Fn(&mut T, f32)) {
+    let values = channel.sample_data.values_as_f32();
+    plane.as_mut_slice().iter_mut().zip(values).for_each(|(pixel, value)| set(pixel, value));
 }
 
 /// Refuses a file whose header claims more pixels than are worth decoding.
@@ -192,7 +255,7 @@ fn check_claimed_size(bytes: &[u8], what: &str) -> Result<(), ImageError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Image, Pixel};
+    use crate::Pixel;
 
     fn frame() -> Planes {
         let mut planes = Planes::new(5, 3).unwrap();
@@ -203,8 +266,33 @@ mod tests {
             planes.motion[(x, y)] = [-1.5, 0.25 * seed];
             planes.instance[(x, y)] = x;
             planes.primitive[(x, y)] = 3_000_000_000 + y;
+            planes.transparent[(x, y)] = x > 0;
         }
         planes
+    }
+
+    /// The same with layers; no two numbers of a pixel are alike.
+    fn layered_frame() -> Planes {
+        let mut layers = Image::filled(5, 3, PixelLayers::EMPTY).unwrap();
+        for (x, y) in [(0, 0), (4, 0), (2, 2)] {
+            let seed = (10 * y + x) as f32;
+            layers[(x, y)] = PixelLayers {
+                coverage: 0.25,
+                share: 0.75,
+                is_front: x > 0,
+                front_motion: [-2.5, 3.5 + seed],
+                front_depth: 4.5,
+                back_motion: [5.5, -6.5 - seed],
+                back_depth: 7.5,
+            };
+        }
+        Planes { layers: Some(layers), ..frame() }
+    }
+
+    fn header_of(bytes: &[u8]) -> exr::meta::header::Header {
+        let meta = exr::meta::MetaData::read_from_buffered(Cursor::new(bytes), true).unwrap();
+        assert_eq!(meta.headers.len(), 1, "one part");
+        meta.headers[0].clone()
     }
 
     fn metadata() -> Metadata {
@@ -219,24 +307,67 @@ mod tests {
     fn a_frame_survives_a_round_trip_bit_for_bit() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("frame.exr");
-        write_exr(&path, &frame(), &metadata()).unwrap();
-        assert_eq!(read_exr(&path).unwrap(), frame());
-        assert_eq!(read_exr(&path).unwrap().pixel(1, 1), Pixel::EMPTY);
+        for frame in [frame(), layered_frame()] {
+            write_exr(&path, &frame, &metadata()).unwrap();
+            assert_eq!(read_exr(&path).unwrap(), frame);
+            assert_eq!(read_exr(&path).unwrap().pixel(1, 1), Pixel::EMPTY);
+        }
+    }
+
+    #[test]
+    fn other_readers_see_the_mask_and_the_layers_under_their_names() {
+        let bytes = encode_exr(&layered_frame(), &metadata()).unwrap();
+        let image = exr::image::read::read()
+            .no_deep_data()
+            .largest_resolution_level()
+            .all_channels()
+            .first_valid_layer()
+            .all_attributes()
+            .from_buffered(Cursor::new(&bytes))
+            .unwrap();
+        // Of the pixel in column 2 of row 2.
+        let at = 2 * 5 + 2;
+        for (name, value) in [
+            ("transparent.mask", 1.0),
+            ("front.coverage", 0.25),
+            ("front.share", 0.75),
+            ("front.shaded", 1.0),
+            ("front.motion.X", -2.5),
+            ("front.motion.Y", 25.5),
+            ("front.depth.Z", 4.5),
+            ("back.motion.X", 5.5),
+            ("back.motion.Y", -28.5),
+            ("back.depth.Z", 7.5),
+        ] {
+            let channel = image.layer_data.channel_data.list.iter().find(|channel| channel.name.eq(name));
+            let channel = channel.unwrap_or_else(|| panic!("there is no {name}"));
+            assert_eq!(channel.sample_data.values_as_f32().nth(at), Some(value), "{name}");
+        }
+        assert_eq!(header_of(&bytes).channels.list.len(), 10 + LAYER_CHANNELS.len());
     }
 
     #[test]
     fn other_readers_see_these_channels_types_and_attributes() {
         let bytes = encode_exr(&frame(), &metadata()).unwrap();
-        let meta = exr::meta::MetaData::read_from_buffered(Cursor::new(&bytes), true).unwrap();
-        assert_eq!(meta.headers.len(), 1, "one part");
-        let header = &meta.headers[0];
+        let header = header_of(&bytes);
         let channels: Vec<_> = header
             .channels
             .list
             .iter()
             .map(|channel| (channel.name.to_string(), format!("{:?}", channel.sample_type)))
             .collect();
-        let names = ["A", "B", "G", "R", "depth.Z", "instance.ID", "motion.X", "motion.Y", "primitive.ID"];
+        let names = [
+            "A",
+            "B",
+            "G",
+            "R",
+            "depth.Z",
+            "instance.ID",
+            "motion.X",
+            "motion.Y",
+            "primitive.ID",
+            "transparent.mask",
+        ];
         let expected =
             names.map(|name| (name.to_owned(), if name.ends_with("ID") { "U32" } else { "F32" }.to_owned()));
         assert_eq!(channels, expected);

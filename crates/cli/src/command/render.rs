@@ -5,8 +5,10 @@ use std::{
     slice,
 };
 
+use anyhow::bail;
+use sheer_image::FileFormat;
 use sheer_lab::{Event, LabError, Progress as _, Tally, Timeline, play};
-use sheer_render::{Antialiasing, Backend};
+use sheer_render::{Antialiasing, Backend, Settings, temporal::jitter};
 
 use crate::{
     args::{DEFAULT_SIZE, RenderArguments},
@@ -28,15 +30,19 @@ impl Task for RenderArguments {
 fn render<B: Backend>(arguments: &RenderArguments, backend: &B) -> anyhow::Result<()> {
     let console = arguments.machine.apply()?;
     let settings = arguments.light.under(arguments.frames.settings(DEFAULT_SIZE));
+    let settings = Settings { raw: arguments.raw, ..settings };
     let antialiasing = arguments.antialiasing;
     // What can go wrong goes wrong before the first frame.
     let path = output_path(arguments)?;
     let output = PictureOutput::from_path(&path);
     let is_sequence = matches!(output, PictureOutput::Sequence { .. });
-    // Without anti-aliasing a frame owes nothing to the ones before it.
-    let owes_nothing = antialiasing == Antialiasing::NONE && !is_sequence;
-    let frame_count = if owes_nothing { 1 } else { arguments.frames.frames };
-    output.check(settings.first_frame)?;
+    // A frame that is not added up owes nothing to the ones before it.
+    let is_added_up = antialiasing != Antialiasing::NONE && !settings.raw;
+    let frame_count = if is_added_up || is_sequence { arguments.frames.frames } else { 1 };
+    let format = output.check(settings.first_frame)?;
+    if settings.raw && format != FileFormat::Exr {
+        bail!("{}: --raw writes .exr files alone, give the output that ending", path.display());
+    }
 
     let mut stage = arguments.scene.open(backend, arguments.machine, console)?.stage;
     let mut pipeline = backend.pipeline(&arguments.method, antialiasing, settings)?;
@@ -56,7 +62,12 @@ fn render<B: Backend>(arguments: &RenderArguments, backend: &B) -> anyhow::Resul
                         .planes(&pipelines[0])
                         .map_err(|error| LabError::of_backend(backend, error))?;
                     let frame = settings.first_frame + index;
-                    let written = output.write(frame, &planes, &metadata.clone().with("frame", frame));
+                    let mut metadata = metadata.clone().with("frame", frame);
+                    if settings.raw {
+                        let offset = jitter(antialiasing, frame);
+                        metadata = metadata.with("jitter.X", offset.x).with("jitter.Y", offset.y);
+                    }
+                    let written = output.write(frame, &planes, &metadata);
                     written.map_err(|error| LabError::Output(error.into()))?;
                 }
                 bar.step();
@@ -87,5 +98,6 @@ fn output_path(arguments: &RenderArguments) -> anyhow::Result<PathBuf> {
     }
     let folder = Path::new(output::FOLDER);
     output::open_folder(folder)?;
-    Ok(folder.join(format!("{}.png", arguments.scene.file_stem())))
+    let extension = if arguments.raw { "exr" } else { "png" };
+    Ok(folder.join(format!("{}.{extension}", arguments.scene.file_stem())))
 }

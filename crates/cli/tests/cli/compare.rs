@@ -54,13 +54,13 @@ fn the_folder_holds_page_report_and_pictures_and_nothing_else() {
     let out = folder.path().join("sheer-out");
     let names = [
         "index.html",
+        "layered-baseline.png",
+        "layered-std-hash-mcguire-error.png",
+        "layered-std-hash-mcguire.png",
         "report.json",
-        "taa-baseline.png",
-        "taa-std-hash-mcguire-error.png",
-        "taa-std-hash-mcguire.png",
     ];
     assert_eq!(names_in(&out), names);
-    assert_eq!(read_png(&out.join("taa-baseline.png")).unwrap().size(), (32, 18));
+    assert_eq!(read_png(&out.join("layered-baseline.png")).unwrap().size(), (32, 18));
     let page = fs::read_to_string(out.join("index.html")).unwrap();
     assert_eq!(page.matches("src=\"data:image/png;base64,").count(), 3);
     assert!(page.contains("std:hash=mcguire") && !page.contains("https:"));
@@ -70,7 +70,7 @@ fn the_folder_holds_page_report_and_pictures_and_nothing_else() {
 #[test]
 fn clips_are_judged_as_a_whole_where_it_is_asked_for() {
     let folder = tempfile::tempdir().unwrap();
-    let arguments = "compare layers -m std -m dtaa --size 64x36 --frames 6 --vdp -o out";
+    let arguments = "compare layers -m std -m dtaa -a taa --size 64x36 --frames 6 --vdp -o out";
     let stdout = succeed(folder.path(), arguments).stdout;
     let report = json(&fs::read_to_string(folder.path().join("out/report.json")).unwrap());
     let rows = report["rows"].as_array().unwrap();

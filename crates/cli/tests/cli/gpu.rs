@@ -50,6 +50,14 @@ fn what_is_asked_for_wrongly_is_wrong_use_on_a_gpu_too() {
 }
 
 #[test]
+fn raw_frames_are_refused_with_what_to_do_instead() {
+    let folder = tempfile::tempdir().unwrap();
+    let outcome = sheer(folder.path(), "render layers --size 8x8 --raw --backend gpu -o a.exr");
+    assert_eq!(outcome.code, Some(1), "{outcome:?}");
+    assert!(outcome.stderr.contains("raw") && outcome.stderr.contains("--backend cpu"), "{outcome:?}");
+}
+
+#[test]
 fn a_picture_by_rays_is_the_processors_and_says_nothing_of_the_driver() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name);

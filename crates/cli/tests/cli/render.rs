@@ -4,7 +4,7 @@ use std::fs;
 
 use sheer_image::{Planes, read_exr, read_png};
 
-use crate::run::{names_in, sheer, succeed};
+use crate::run::{attribute, names_in, sheer, succeed};
 
 #[test]
 fn a_png_has_the_size_asked_for_and_stdout_stays_empty() {
@@ -47,6 +47,10 @@ fn an_exr_carries_all_planes_and_how_it_was_made() {
     ] {
         assert!(bytes.windows(key.len()).any(|window| window == key.as_bytes()), "{key}");
     }
+    assert_eq!(planes.layers, None);
+    succeed(folder.path(), "render layers:count=2 -a layered --frames 2 --size 24x10 -o layered.exr");
+    let layers = read_exr(&folder.path().join("layered.exr")).unwrap().layers.unwrap();
+    assert!(layers.as_slice().iter().all(|layers| (layers.coverage - 0.36).abs() < 1e-6));
 }
 
 #[test]
@@ -57,6 +61,68 @@ fn a_sequence_holds_every_frame_of_the_run() {
     let names = ["a-0009.png", "a-0010.png", "a-0011.png", "b00.exr", "b01.exr"];
     assert_eq!(names_in(folder.path()), names);
     assert_eq!(read_png(&folder.path().join("a-0010.png")).unwrap().size(), (8, 6));
+}
+
+#[test]
+fn raw_frames_are_jittered_single_samples_with_layers() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    // A sheet of white at half opacity before black: samples are one or the other, but for rounding.
+    let scene = "render layers:count=1,alpha=0.5,background=0 --size 16x9 --seed 7";
+    succeed(folder.path(), &format!("{scene} --frames 2 --first-frame 5 --raw -o raw-####.exr"));
+    succeed(folder.path(), &format!("{scene} --frames 7 -o summed.exr"));
+    let is_sample = |pixel: &[f32; 4]| pixel[0] == 0.0 || (pixel[0] - 1.0).abs() < 1e-6;
+    let colour = |name: &str| read_exr(&path(name)).unwrap().colour;
+    assert!(!colour("summed.exr").as_slice().iter().all(is_sample), "the check for samples is blind");
+    assert_ne!(colour("raw-0005.exr"), colour("raw-0006.exr"));
+    for name in ["raw-0005.exr", "raw-0006.exr"] {
+        let planes = read_exr(&path(name)).unwrap();
+        assert!(planes.colour.as_slice().iter().all(is_sample), "{name} is added up");
+        assert!(planes.transparent.as_slice().iter().all(|&is| is), "{name}");
+        let layers = planes.layers.unwrap();
+        for (layers, colour) in layers.as_slice().iter().zip(planes.colour.as_slice()) {
+            assert_eq!((layers.coverage, layers.is_front), (0.5, colour[0] > 0.5), "{name}");
+            assert!(layers.front_depth < layers.back_depth, "{name}: {layers:?}");
+        }
+    }
+    let jitter = |name: &str| {
+        ["jitter.X", "jitter.Y"].map(|key| attribute(&path(name), key).unwrap().parse::<f32>().unwrap())
+    };
+    assert_ne!(jitter("raw-0005.exr"), jitter("raw-0006.exr"));
+    assert!(jitter("raw-0005.exr").iter().all(|offset| offset.abs() < 0.5));
+    assert_eq!(attribute(&path("raw-0006.exr"), "frame").as_deref(), Some("6"));
+    assert_eq!(attribute(&path("raw-0006.exr"), "seed").as_deref(), Some("7"));
+    assert_eq!(attribute(&path("summed.exr"), "jitter.X"), None);
+}
+
+#[test]
+fn a_raw_frame_without_jitter_is_the_picture_without_anti_aliasing() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    for method in ["std", "joint", "baseline"] {
+        let arguments = format!("render smoke-square -m {method} -a none --size 32x18");
+        succeed(folder.path(), &format!("{arguments} -o plain.exr"));
+        let outcome = succeed(folder.path(), &format!("{arguments} --raw --frames 5 -o raw.exr"));
+        assert!(outcome.stderr.contains("1 frame;"), "{}", outcome.stderr);
+        let [plain, raw] = ["plain.exr", "raw.exr"].map(|name| read_exr(&path(name)).unwrap());
+        assert_eq!(plain.layers, None);
+        assert!(raw.layers.is_some());
+        assert_eq!(Planes { layers: None, ..raw }, plain, "{method}");
+        assert_eq!(attribute(&path("raw.exr"), "jitter.X").as_deref(), Some("0"));
+    }
+}
+
+#[test]
+fn raw_frames_do_not_fit_a_png() {
+    let folder = tempfile::tempdir().unwrap();
+    for output in ["a.png", "a-####.png"] {
+        let outcome = sheer(folder.path(), &format!("render layers --size 8x6 --frames 1 --raw -o {output}"));
+        assert_eq!(outcome.code, Some(1), "{outcome:?}");
+        assert!(outcome.stderr.contains("--raw writes .exr"), "{outcome:?}");
+    }
+    assert_eq!(names_in(folder.path()), [""; 0]);
+    succeed(folder.path(), "render layers:count=2 --size 8x6 --frames 1 --raw");
+    assert_eq!(names_in(&folder.path().join("sheer-out")), ["layers.exr"]);
 }
 
 #[test]

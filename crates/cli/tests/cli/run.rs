@@ -47,6 +47,16 @@ pub(crate) fn names_in(folder: &Path) -> Vec<String> {
     names
 }
 
+/// What an EXR file says of how it was made, under `sheer.KEY`.
+pub(crate) fn attribute(file: &Path, key: &str) -> Option<String> {
+    let bytes = fs::read(file).unwrap();
+    // A name and a type end with NUL, then come the length of the text and the text.
+    let head = format!("sheer.{key}\0string\0");
+    let at = bytes.windows(head.len()).position(|window| window == head.as_bytes())? + head.len();
+    let length = u32::from_le_bytes(bytes[at..at + 4].try_into().unwrap()) as usize;
+    Some(String::from_utf8(bytes[at + 4..at + 4 + length].to_vec()).unwrap())
+}
+
 /// A report, parsed.
 pub(crate) fn json(text: &str) -> serde_json::Value {
     serde_json::from_str(text).unwrap_or_else(|error| panic!("{error} in {text}"))

@@ -41,12 +41,14 @@ fn a_gpu_is_held_against_the_processor() {
     let report = json(&succeed(folder.path(), arguments).stdout);
     let checks = report["checks"].as_array().unwrap();
     let names: Vec<_> = checks.iter().map(|check| check["name"].as_str().unwrap()).collect();
-    // Methods in the scene: one frame, its surfaces, a few frames added up; and for the one whose samples are
-    // the hardware's, layers that it covers whole and their closed form.
-    assert_eq!(checks.len(), 8, "{names:?}");
+    // Methods in the scene: one frame, its surfaces, a few frames added up, layer by layer where one fragment
+    // is shaded; and for the one whose samples are the hardware's, layers that it covers whole and their
+    // closed form.
+    assert_eq!(checks.len(), 9, "{names:?}");
     assert!(names[0].contains("layers:count=3") && names[0].contains("std by gpu:raster"), "{names:?}");
     assert!(names[1].contains("motion") && names[2].contains("taa"), "{names:?}");
-    assert!(names[7].contains("transmittance") && checks[7]["z"].is_number(), "{checks:?}");
+    assert!(names[3].contains("layered"), "{names:?}");
+    assert!(names[8].contains("transmittance") && checks[8]["z"].is_number(), "{checks:?}");
     assert!(checks.iter().all(|check| check["pass"] == true && check["measured"].is_number()), "{checks:?}");
 
     let refused = sheer(folder.path(), "verify layers -m weighted --backend gpu:ray");

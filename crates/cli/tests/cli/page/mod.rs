@@ -28,7 +28,7 @@ impl Pages {
         PAGES.get_or_init(|| {
             let folder = tempfile::tempdir().unwrap();
             let methods = "-m roulette -m std -m std:hash=mcguire --size 64x36 --frames 4 --quiet";
-            succeed(folder.path(), &format!("compare layers {methods} -o compare"));
+            succeed(folder.path(), &format!("compare layers {methods} -a taa -o compare"));
             succeed(folder.path(), &format!("bench layers {methods} --html bench.html"));
             succeed(
                 folder.path(),
