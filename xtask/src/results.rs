@@ -91,7 +91,30 @@ fn readme() -> anyhow::Result<()> {
         processor().map(|name| format!(" ({name})")).unwrap_or_default()
     );
     let experiments: [(&str, &[&str]); 3] = [
-        ("Moving through the square, temporal anti-aliasing:", &["compare", "-o", "sheer-out/results"]),
+        (
+            "Moving through the square, temporal anti-aliasing:",
+            &[
+                "compare",
+                "--size",
+                "480x270",
+                "-a",
+                "taa",
+                "-m",
+                "baseline",
+                "-m",
+                "roulette",
+                "-m",
+                "std",
+                "-m",
+                "dtaa",
+                "-m",
+                "dtaa-unique",
+                "-m",
+                "stbn",
+                "-o",
+                "sheer-out/results",
+            ],
+        ),
         (
             "Inside the smoke, time of a frame:",
             &[
