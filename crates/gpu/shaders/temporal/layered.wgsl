@@ -256,7 +256,8 @@ fn rectified(mean: Mean, sums: Sums, sigmas: f32) -> Mean {
     let reach = abs(residual.x) / max(error.x, LEAST_ERROR);
     let doubt = clamp((reach - DOUBT_STARTS) / (DOUBT_ENDS - DOUBT_STARTS), 0.0, 1.0);
     let count = mean.count * (1.0 - MOST_FORGOTTEN * doubt);
-    return Mean(mean.colour + sign(residual) * excess, mean.weight, count, mean.variance);
+    let colour = mean.colour + sign(residual) * excess;
+    return Mean(colour / max(colour.w, 1.0), mean.weight, count, mean.variance);
 }
 
 // A layer of a pixel after the frame.

@@ -335,6 +335,7 @@ impl Layered {
             (false, _) => 0.0,
         };
         let front = if coverage > 0.0 { self.smoothed(kept, [x, y]) } else { Vec4::ZERO };
+        // Noise may take a dark pixel below black; cut off there, its mean would be too bright.
         rgba_from_ycocga(front * coverage + own.back.colour * (1.0 - coverage))
     }
 
@@ -408,8 +409,10 @@ fn rectified(mean: Mean, sums: &Sums, sigmas: f32) -> Mean {
     let [starts, ends] = DOUBT;
     let reach = residual.x.abs() / error.x.max(LEAST_ERROR);
     let doubt = ((reach - starts) / (ends - starts)).clamp(0.0, 1.0);
+    let colour = mean.colour + residual.signum() * excess;
     Mean {
-        colour: mean.colour + residual.signum() * excess,
+        // What is premultiplied exceeds an opacity of 1 as a whole.
+        colour: colour / colour.w.max(1.0),
         count: mean.count * (1.0 - MOST_FORGOTTEN * doubt),
         ..mean
     }
@@ -624,6 +627,28 @@ mod tests {
         // A shift of many standard errors arrives in the frame in which it happens.
         assert!(shown_after(0.1, 0.3) > 0.7, "{}", shown_after(0.1, 0.3));
         assert!((shown_after(0.1, 0.0) - 0.5).abs() < 0.03, "{}", shown_after(0.1, 0.0));
+    }
+
+    #[test]
+    fn no_shift_makes_more_than_opaque() {
+        // An opaque card that grows over a clear background: where it is, the neighbourhood gains opacity.
+        let mut past = nothing();
+        for index in 0..30 {
+            let mut planes = Planes::with_layers(SIZE, SIZE).unwrap();
+            for y in 0..SIZE {
+                for x in 0..SIZE {
+                    let is_card = x < 4 + index / 2;
+                    planes.colour[(x, y)] = if is_card { [0.6, 0.0, 0.0, 1.0] } else { [0.0; 4] };
+                    let back_depth = if is_card { 2.0 } else { f32::INFINITY };
+                    planes.layers.as_mut().unwrap()[(x, y)] =
+                        PixelLayers { back_depth, ..PixelLayers::EMPTY };
+                }
+            }
+            add(&mut past, Layered::DEFAULT, planes);
+            for &[r, _, _, a] in past.planes.colour.as_slice() {
+                assert!(a <= 1.0001 && (r - 0.6 * a).abs() < 1e-4, "{index}: {r} {a}");
+            }
+        }
     }
 
     #[test]
