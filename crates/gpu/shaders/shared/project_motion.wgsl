@@ -1,4 +1,4 @@
-// Motion in pixels: twins of `Tracer::motion_between` and `Tracer::motion_at_infinity`.
+// Motion in pixels: twins of `Tracer::motion_and_depth_of` and `Tracer::motion_at_infinity`.
 #import shared/camera
 #import shared/surface
 

@@ -15,6 +15,12 @@ fn place_of(at: vec2f) -> Place {
     return Place(vec2i(low), at - low, all(at > vec2f(-0.5)) && all(at < end));
 }
 
+// Weight of the pixel at an offset in a bilinear lookup; 0 beyond the four pixels around.
+fn bilinear(place: Place, offset: vec2i) -> f32 {
+    let weights = max(1.0 - abs(vec2f(offset) - place.share), vec2f(0.0));
+    return weights.x * weights.y;
+}
+
 // Weights of the four samples around a point at `s` between the middle two.
 fn catmull_rom(s: f32) -> vec4f {
     let s2 = s * s;

@@ -5,6 +5,7 @@
 #import shared/environment
 #import shared/found
 #import shared/pass
+#import shared/project_motion
 #import shared/scene
 #import shared/shade
 #import shared/surface
@@ -55,20 +56,12 @@ fn write_pixel(pixel: vec2u, colour: vec4f, ray: CameraRay, found: bool, hit: Hi
     if found {
         let weights = vec3f(1.0 - hit.u - hit.v, hit.u, hit.v);
         let position = position_at(hit.triangle, weights);
-        let now = project(frame.camera, position);
-        let before = project(frame.previous_camera, previous_position_at(hit.triangle, weights));
-        // From projected to projected, not from the sample: so a still surface has a motion of exactly zero.
-        if now.is_seen && before.is_seen {
-            record.motion = before.pixel - now.pixel;
-        }
+        record.motion = motion_between(position, previous_position_at(hit.triangle, weights));
         record.depth = view_depth(position);
         record.instance = objects[triangles[hit.triangle].x].id;
         record.primitive = primitive(hit.triangle);
     } else {
-        let before = project_direction(frame.previous_camera, ray.direction);
-        if before.is_seen {
-            record.motion = before.pixel - sample_of(pixel);
-        }
+        record.motion = motion_at_infinity(pixel, ray);
         record.depth = NO_DEPTH;
         record.instance = NONE;
         record.primitive = NONE;

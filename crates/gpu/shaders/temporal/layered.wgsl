@@ -82,16 +82,26 @@ fn fits(record: KeptLayers, is_front: bool, depths: vec2f) -> bool {
     return record.back_sums.y > 0.0 && record.back_depth >= depths.x && record.back_depth <= depths.y;
 }
 
+fn texel_front(pixel: vec2u) -> vec4f {
+    return kept[index_of(pixel)].front_colour;
+}
+#expand shared/sharp TEXEL=front
+
+fn texel_back(pixel: vec2u) -> vec4f {
+    return kept[index_of(pixel)].back_colour;
+}
+#expand shared/sharp TEXEL=back
+
+fn texel_coverage(pixel: vec2u) -> vec4f {
+    return vec4f(kept[index_of(pixel)].front_sums.w);
+}
+#expand shared/sharp TEXEL=coverage
+
 // The mean of the pixels around a place that fit; sharp where all do.
 fn fetched(place: Place, is_front: bool, depths: vec2f) -> Mean {
     var fitting = 0.0;
     var mean = no_mean();
     var all_fit = true;
-    let wx = catmull_rom(place.share.x);
-    let wy = catmull_rom(place.share.y);
-    var sharp = vec4f(0.0);
-    var low = vec4f(GREATEST);
-    var high = vec4f(-GREATEST);
     for (var dy = -1; dy <= 2; dy += 1) {
         for (var dx = -1; dx <= 2; dx += 1) {
             let record = kept[index_of(clamped(place.pixel + vec2i(dx, dy)))];
@@ -99,15 +109,8 @@ fn fetched(place: Place, is_front: bool, depths: vec2f) -> Mean {
                 all_fit = false;
                 continue;
             }
+            let weight = bilinear(place, vec2i(dx, dy));
             let of_pixel = mean_of(record, is_front);
-            sharp += of_pixel.colour * (wx[dx + 1] * wy[dy + 1]);
-            if dx < 0 || dx > 1 || dy < 0 || dy > 1 {
-                continue;
-            }
-            low = min(low, of_pixel.colour);
-            high = max(high, of_pixel.colour);
-            let weight = select(1.0 - place.share.x, place.share.x, dx == 1)
-                * select(1.0 - place.share.y, place.share.y, dy == 1);
             fitting += weight;
             mean.colour += of_pixel.colour * weight;
             mean.weight += of_pixel.weight * weight;
@@ -119,8 +122,10 @@ fn fetched(place: Place, is_front: bool, depths: vec2f) -> Mean {
         return no_mean();
     }
     var colour = mean.colour / fitting;
-    if all_fit && any(place.share != vec2f(0.0)) {
-        colour = clamp(sharp, low, high);
+    if all_fit && is_front {
+        colour = sharp_front(place);
+    } else if all_fit {
+        colour = sharp_back(place);
     }
     return Mean(colour, mean.weight / fitting, mean.count / fitting, mean.variance / fitting);
 }
@@ -170,27 +175,12 @@ fn cs_move(@builtin(global_invocation_id) id: vec3u) {
         if front_coverage > 0.0 {
             front = fetched(place, true, vec2f(0.0));
         }
-        let wx = catmull_rom(place.share.x);
-        let wy = catmull_rom(place.share.y);
-        var low = GREATEST;
-        var high = -GREATEST;
-        for (var dy = -1; dy <= 2; dy += 1) {
-            for (var dx = -1; dx <= 2; dx += 1) {
+        coverage = sharp_coverage(place).x;
+        for (var dy = 0; dy <= 1; dy += 1) {
+            for (var dx = 0; dx <= 1; dx += 1) {
                 let record = kept[index_of(clamped(place.pixel + vec2i(dx, dy)))];
-                coverage += record.front_sums.w * (wx[dx + 1] * wy[dy + 1]);
-                if dx >= 0 && dx <= 1 && dy >= 0 && dy <= 1 {
-                    low = min(low, record.front_sums.w);
-                    high = max(high, record.front_sums.w);
-                    coverage_count += record.back_sums.w
-                        * select(1.0 - place.share.x, place.share.x, dx == 1)
-                        * select(1.0 - place.share.y, place.share.y, dy == 1);
-                }
+                coverage_count += record.back_sums.w * bilinear(place, vec2i(dx, dy));
             }
-        }
-        if all(place.share == vec2f(0.0)) {
-            coverage = kept[index_of(clamped(place.pixel))].front_sums.w;
-        } else {
-            coverage = clamp(coverage, low, high);
         }
     }
     moved[at] = kept_of(front, back, coverage, coverage_count, FAR_AWAY);
@@ -206,6 +196,8 @@ struct Sums {
     squared_residuals: vec4f,
 }
 
+// With a sample. Weights are under a tent, so that a shift by the mean residual lessens every wave in a
+// history.
 fn added(sums: Sums, colour: vec4f, weight: f32, history: Mean) -> Sums {
     var sum = sums;
     sum.all_weights += weight;
@@ -252,8 +244,10 @@ fn rectified(mean: Mean, sums: Sums, sigmas: f32) -> Mean {
     let squares = sums.squared_residuals / sums.weights;
     let variance = max(squares - residual * residual, vec4f(0.0));
     let error = sqrt(variance / (samples - 1.0));
-    let excess = max(abs(residual) - error * sigmas, vec4f(0.0));
-    let reach = abs(residual.x) / max(error.x, LEAST_ERROR);
+    // As far out as Student's distribution has what the normal one has within so many standard errors.
+    let few = 1.0 + (sigmas * sigmas + 1.0) / (4.0 * (samples - 1.0));
+    let excess = max(abs(residual) - error * (sigmas * few), vec4f(0.0));
+    let reach = abs(residual.x) / max(error.x * few, LEAST_ERROR);
     let doubt = clamp((reach - DOUBT_STARTS) / (DOUBT_ENDS - DOUBT_STARTS), 0.0, 1.0);
     let count = mean.count * (1.0 - MOST_FORGOTTEN * doubt);
     let colour = mean.colour + sign(residual) * excess;
@@ -293,10 +287,12 @@ fn cs_update(@builtin(global_invocation_id) id: vec3u) {
             let index = index_of(vec2u(vec2i(x, y)));
             let record = layers[index];
             let colour = ycocga_from_rgba(pixels[index].colour);
+            let tent = 1.0 - abs(vec2f(vec2i(x, y) - vec2i(id.xy))) / f32(radius + 1);
+            let share = tent.x * tent.y;
             if record.is_front != 0u {
-                front_sums = added(front_sums, colour, weight_of(record, true), front_of(moved[index]));
+                front_sums = added(front_sums, colour, weight_of(record, true) * share, front_of(moved[index]));
             } else {
-                back_sums = added(back_sums, colour, weight_of(record, false), back_of(moved[index]));
+                back_sums = added(back_sums, colour, weight_of(record, false) * share, back_of(moved[index]));
             }
         }
     }

@@ -19,7 +19,7 @@ fn resolved(pixel: vec2u, current: PixelRecord) -> vec4f {
         return latest;
     }
     let radius = select(OPAQUE_RADIUS, i32(P_RADIUS), transparent);
-    let clipped = clip(sharp(place), vec2i(pixel), radius);
+    let clipped = clip(sharp_history(place), vec2i(pixel), radius);
     return clipped + (latest - clipped) * weight;
 }
 
@@ -89,26 +89,7 @@ fn clip(old: vec4f, pixel: vec2i, radius: i32) -> vec4f {
     return rgba_from_ycocga(mean + offset / reach);
 }
 
-// The history at a place by Catmull and Rom's weights, which keep edges that bilinear lookups would blur a
-// little more in every frame; each channel within the range of the four pixels around.
-fn sharp(place: Place) -> vec4f {
-    if all(place.share == vec2f(0.0)) {
-        return history[index_of(clamped(place.pixel))];
-    }
-    let wx = catmull_rom(place.share.x);
-    let wy = catmull_rom(place.share.y);
-    var sum = vec4f(0.0);
-    var low = vec4f(GREATEST);
-    var high = vec4f(-GREATEST);
-    for (var dy = -1; dy <= 2; dy += 1) {
-        for (var dx = -1; dx <= 2; dx += 1) {
-            let value = history[index_of(clamped(place.pixel + vec2i(dx, dy)))];
-            sum += value * (wx[dx + 1] * wy[dy + 1]);
-            if dx >= 0 && dx <= 1 && dy >= 0 && dy <= 1 {
-                low = min(low, value);
-                high = max(high, value);
-            }
-        }
-    }
-    return clamp(sum, low, high);
+fn texel_history(pixel: vec2u) -> vec4f {
+    return history[index_of(pixel)];
 }
+#expand shared/sharp TEXEL=history

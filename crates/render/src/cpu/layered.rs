@@ -3,7 +3,6 @@
 //! colour is a sample.
 
 use glam::Vec3;
-use sheer_accel::Hit;
 use sheer_image::{Pixel, PixelLayers};
 use sheer_scene::CameraRay;
 
@@ -67,6 +66,8 @@ impl Tracer<'_> {
         let (front_motion, front_depth) = self.front_motion(&front);
         let (back_motion, back_depth) = match opaque {
             _ if is_dense => (front_motion, front_depth),
+            // The pixel is that of the back.
+            _ if !is_front => (pixel.motion, pixel.depth),
             Some(opaque) => self.motion_and_depth(&opaque),
             None => (self.motion_at_infinity(sample, &ray), f32::INFINITY),
         };
@@ -86,7 +87,6 @@ impl Tracer<'_> {
     /// Motion in pixels and depth of the mean of the fragments of a front, weighted by their shares of the
     /// pixel.
     fn front_motion(&self, front: &[Layer]) -> ([f32; 2], f32) {
-        let frame = self.stage.frame();
         let mut before = 1.0;
         let mut weights = 0.0;
         let mut sums = [Vec3::ZERO; 2];
@@ -94,7 +94,7 @@ impl Tracer<'_> {
             let weight = before - layer.visibility;
             before = layer.visibility;
             weights += weight;
-            let positions = frame.positions(layer.hit.triangle, layer.hit.u, layer.hit.v);
+            let positions = self.stage.frame().positions(layer.hit.triangle, layer.hit.u, layer.hit.v);
             for (sum, position) in sums.iter_mut().zip(positions) {
                 *sum += position * weight;
             }
@@ -103,13 +103,7 @@ impl Tracer<'_> {
             return ([0.0; 2], f32::INFINITY);
         }
         let [position, previous] = sums.map(|sum| sum / weights);
-        (self.motion_between(position, previous).to_array(), frame.camera().view_depth(position))
-    }
-
-    fn motion_and_depth(&self, hit: &Hit) -> ([f32; 2], f32) {
-        let frame = self.stage.frame();
-        let [position, previous] = frame.positions(hit.triangle, hit.u, hit.v);
-        (self.motion_between(position, previous).to_array(), frame.camera().view_depth(position))
+        self.motion_and_depth_of(position, previous)
     }
 }
 

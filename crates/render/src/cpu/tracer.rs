@@ -102,9 +102,7 @@ impl<'a> Tracer<'a> {
             let layers = PixelLayers { back_motion: motion, ..PixelLayers::EMPTY };
             return Pixel { colour: colour.to_array(), motion, transparent, layers, ..Pixel::EMPTY };
         };
-        let [position, previous_position] = frame.positions(hit.triangle, hit.u, hit.v);
-        let motion = self.motion_between(position, previous_position).to_array();
-        let depth = frame.camera().view_depth(position);
+        let (motion, depth) = self.motion_and_depth(hit);
         Pixel {
             colour: colour.to_array(),
             depth,
@@ -117,13 +115,20 @@ impl<'a> Tracer<'a> {
         }
     }
 
-    /// Motion in pixels of a point that was elsewhere in the frame before.
-    pub(super) fn motion_between(&self, position: Vec3, previous_position: Vec3) -> Vec2 {
+    /// Motion of a hit in pixels, and its depth.
+    pub(super) fn motion_and_depth(&self, hit: &Hit) -> ([f32; 2], f32) {
+        let [position, previous] = self.stage.frame().positions(hit.triangle, hit.u, hit.v);
+        self.motion_and_depth_of(position, previous)
+    }
+
+    /// The same of a point that was elsewhere in the frame before.
+    pub(super) fn motion_and_depth_of(&self, position: Vec3, previous: Vec3) -> ([f32; 2], f32) {
         let frame = self.stage.frame();
         // From projected to projected, not from the sample: so a still surface has a motion of exactly zero.
         let now = frame.camera().project(position, self.size());
-        let before = frame.previous_camera().project(previous_position, self.size());
-        now.zip(before).map_or(Vec2::ZERO, |(now, before)| before - now)
+        let before = frame.previous_camera().project(previous, self.size());
+        let motion = now.zip(before).map_or(Vec2::ZERO, |(now, before)| before - now);
+        (motion.to_array(), frame.camera().view_depth(position))
     }
 
     /// Motion in pixels of what is infinitely far away, which the camera's turning alone moves.
