@@ -47,7 +47,7 @@ use crate::{
     shadow::{self, MapRays, MapSettings, ShadowMaps},
     stage::GpuStage,
     tables::Tables,
-    temporal::{self, History},
+    temporal::{self, History, NewFrame},
     timing::Timer,
 };
 
@@ -394,8 +394,12 @@ impl Resources {
             &mut encoder,
             &mut self.timer,
             (&self.pixels, self.layers.as_ref()),
-            alignment,
-            [parameters.index, parameters.seed],
+            NewFrame {
+                alignment,
+                index: parameters.index,
+                seed: parameters.seed,
+                is_still: stage.frame().is_still(),
+            },
         );
         // What is read back, and off it goes.
         encoder.copy_buffer_to_buffer(&self.counters, 0, &self.counters_read, 0, COUNTER_BYTES);

@@ -39,12 +39,27 @@ pub(crate) fn piece_of(antialiasing: &Antialiasing) -> (&'static str, &'static [
     }
 }
 
+/// What is known of a frame beside its pixels.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct NewFrame {
+    /// See [`sheer_render::Method::alignment`].
+    pub(crate) alignment: Alignment,
+    /// Number of the frame in the clip.
+    pub(crate) index: u32,
+    /// Seed of the run's random numbers.
+    pub(crate) seed: u32,
+    /// See [`sheer_scene::Frame::is_still`].
+    pub(crate) is_still: bool,
+}
+
 /// What has been added up. Two buffers take turns: the history that is read and the one that is written.
 #[derive(Debug)]
 pub(crate) struct History {
     size: [u32; 2],
     /// How many frames it has taken in.
     count: u32,
+    /// How many frames in a row have shown the same, the last one among them.
+    still_count: u32,
     layout: wgpu::BindGroupLayout,
     pipelines: Vec<wgpu::ComputePipeline>,
     uniform: wgpu::Buffer,
@@ -108,38 +123,48 @@ impl History {
             .map(|entry_point| compute_pipeline(&device, "temporal", &[&layout], &module, entry_point))
             .collect();
         gpu.check("the history")?;
-        Ok(Self { size: [width, height], count: 0, layout, pipelines, uniform, colours, layers })
+        Ok(Self {
+            size: [width, height],
+            count: 0,
+            still_count: 0,
+            layout,
+            pipelines,
+            uniform,
+            colours,
+            layers,
+        })
     }
 
     /// Records that the next frame is taken in. One frame a submission: its settings are written before it
-    /// begins. `layers` of the frame are there where the technique asks for them; `alignment` as in
-    /// [`sheer_render::Method::alignment`], then frame index and seed of the dithering.
+    /// begins. `layers` of the frame are there where the technique asks for them.
     pub(crate) fn record(
         &mut self,
         gpu: &Gpu,
         encoder: &mut wgpu::CommandEncoder,
         timer: &mut Timer,
         (pixels, layers): (&wgpu::Buffer, Option<&wgpu::Buffer>),
-        alignment: Alignment,
-        [frame, seed]: [u32; 2],
+        new: NewFrame,
     ) {
+        let NewFrame { alignment, index: frame, seed, is_still } = new;
         let count = self.count;
+        self.still_count = if is_still { self.still_count + 1 } else { 0 };
+        let still_count = self.still_count;
         let Alignment { side_px: alignment_px, rule } = alignment;
         let (size, alignment_rule) = (self.size.into(), rule as u32);
-        let uniform = TemporalUniform { size, count, alignment_px, frame, seed, alignment_rule, padding: 0 };
+        let uniform = TemporalUniform { size, count, alignment_px, frame, seed, alignment_rule, still_count };
         gpu.queue().write_buffer(&self.uniform, 0, bytemuck::bytes_of(&uniform));
-        let [old, new] = if self.count.is_multiple_of(2) { [1, 0] } else { [0, 1] };
+        let [old, next] = if self.count.is_multiple_of(2) { [1, 0] } else { [0, 1] };
         let mut entries = vec![
             whole(BIND_TEMPORAL, &self.uniform),
             whole(BIND_NEW_PIXELS, pixels),
-            whole(BIND_NEXT_HISTORY, &self.colours[new]),
+            whole(BIND_NEXT_HISTORY, &self.colours[next]),
         ];
         match (&self.layers, layers) {
             (Some(LayerBuffers { kept, moved }), Some(layers)) => entries.extend([
                 whole(BIND_NEW_LAYERS, layers),
                 whole(BIND_KEPT, &kept[old]),
                 whole(BIND_MOVED, moved),
-                whole(BIND_NEXT_KEPT, &kept[new]),
+                whole(BIND_NEXT_KEPT, &kept[next]),
             ]),
             _ => entries.push(whole(BIND_HISTORY, &self.colours[old])),
         }
@@ -295,7 +320,8 @@ mod tests {
             let pixels = buffer_of(bytemuck::cast_slice(&records(current)));
             let layers = buffer_of(bytemuck::cast_slice(&layer_records(current)));
             let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-            history.record(gpu, &mut encoder, &mut timer, (&pixels, Some(&layers)), alignment, [frame, seed]);
+            let new = NewFrame { alignment, index: frame, seed, is_still: is_still(frame) };
+            history.record(gpu, &mut encoder, &mut timer, (&pixels, Some(&layers)), new);
             queue.submit([encoder.finish()]);
             gpu.check("adding up").unwrap();
             planes = Some(read_planes(gpu, &pixels, history.colour(), Some(&layers), SIZE).unwrap());
@@ -307,10 +333,16 @@ mod tests {
         let mut history = CpuHistory::new(antialiasing, SIZE).unwrap();
         for (frame, current) in (0..).zip(frames) {
             let run = Settings { size: SIZE, seed: SEED, ..Settings::default() };
-            let settings = FrameSettings { run, frame, jitter: Vec2::ZERO, layers: None };
+            let settings =
+                FrameSettings { run, frame, jitter: Vec2::ZERO, layers: None, is_still: is_still(frame) };
             history.add(current.clone(), alignment, &settings).unwrap();
         }
         history.planes().clone()
+    }
+
+    /// The first frames move, the later ones stand still.
+    fn is_still(frame: u32) -> bool {
+        frame >= 6
     }
 
     fn frames() -> Vec<Planes> {
@@ -327,8 +359,9 @@ mod tests {
     fn frames_add_up_to_the_same_picture_as_on_the_processor() {
         let gpu = Gpu::new(&AdapterChoice::Best).unwrap();
         let frames = frames();
-        for info in ANTIALIASINGS {
-            let antialiasing: Antialiasing = info.id.parse().unwrap();
+        // Of a greater weight, layers settle while the last frames stand still.
+        for name in ANTIALIASINGS.iter().map(|info| info.id).chain(["layered:weight=0.5"]) {
+            let antialiasing: Antialiasing = name.parse().unwrap();
             for &rule in AlignmentRule::ALL {
                 let alignment = Alignment { side_px: 3, rule };
                 for count in [1, 2, 12] {

@@ -67,7 +67,8 @@ impl<M: Transparency> Pipeline<M> {
         let frame = self.settings.first_frame + index;
         let jitter = jitter(self.antialiasing, frame);
         let layers = layers(self.antialiasing).or(self.settings.raw.then_some(LayerSplit::AS_SEEN));
-        let settings = FrameSettings { run: self.settings, frame, jitter, layers };
+        let settings =
+            FrameSettings { run: self.settings, frame, jitter, layers, is_still: stage.frame().is_still() };
         let rendered = self.method.render(stage, &settings)?;
         self.steps = rendered.steps;
         let start = Instant::now();

@@ -63,6 +63,8 @@ pub struct FrameSettings {
     /// How pixels are split into layers, if they are; the planes have [`layers`](sheer_image::Planes::layers)
     /// then.
     pub layers: Option<LayerSplit>,
+    /// Whether the previous frame shows the same, see [`sheer_scene::Frame::is_still`].
+    pub is_still: bool,
 }
 
 /// How pixels are split into what is transparent and what lies behind it.

@@ -83,6 +83,7 @@ pub struct Frame {
     opacities: Vec<TriangleOpacity>,
     deformed_normals: Vec<Vec3>,
     lights: Vec<FrameLight>,
+    is_still: bool,
 }
 
 impl Frame {
@@ -108,6 +109,12 @@ impl Frame {
     #[must_use]
     pub fn previous_camera(&self) -> &CameraPose {
         &self.previous_camera
+    }
+
+    /// Whether the previous frame shows the same: camera, geometry and lights are where they were.
+    #[must_use]
+    pub fn is_still(&self) -> bool {
+        self.is_still
     }
 
     /// All triangles in world space; the first [`Self::static_count`] never move.

@@ -7,9 +7,10 @@ use glam::{Affine3A, Quat, Vec2, Vec3, Vec4};
 use sheer_image::Image;
 use sheer_scene::{
     Animator, Beam, Camera, CameraChoice, FaceSide, Frame, Scene,
+    camera::{CameraKey, CameraMotion},
     model::{
-        AlphaMode, Animation, Channel, Influence, Instance, Interpolation, Keys, Material, Mesh, MorphTarget,
-        Node, SceneParts, Skin, Texture, TextureRef, Track, Transform, Wrap,
+        AlphaMode, Animation, Channel, Influence, Instance, Interpolation, Keys, Light, LightKind, Material,
+        Mesh, MorphTarget, Node, SceneParts, Skin, Texture, TextureRef, Track, Transform, Wrap,
     },
     particle::{Particle, ParticleSystem, Turbulence},
 };
@@ -203,6 +204,40 @@ fn particles() -> SceneParts {
     parts.particles[0].particles[1].birth_secs = 1.5;
     parts.cameras = vec![Camera::fixed("static", 0.8, Vec3::new(3.0, 2.0, 9.0), Vec3::ZERO)];
     parts
+}
+
+#[test]
+fn a_frame_is_still_when_nothing_that_is_seen_has_changed() {
+    let fixed = || Camera::fixed("static", 0.8, Vec3::new(3.0, 2.0, 9.0), Vec3::ZERO);
+    let scene = || {
+        let mut parts = parts_with(quad(), Material::default(), Transform::IDENTITY);
+        parts.nodes.push(Node { name: String::new(), parent: None, transform: Transform::IDENTITY });
+        parts.instances[0].node = 1;
+        parts.cameras = vec![fixed()];
+        parts
+    };
+    let is_still = |parts: SceneParts, time_secs| animator(parts).advance(time_secs, 0.25).is_still();
+
+    assert!(is_still(scene(), 0.5));
+    // What is animated holds nothing that is seen; then a light; then the mesh.
+    let mut parts = SceneParts { animations: sliding([Vec3::ZERO, Vec3::X]), ..scene() };
+    assert!(is_still(parts.clone(), 0.5));
+    let kind = LightKind::Point { range: f32::INFINITY };
+    parts.lights = vec![Light { name: String::new(), node: 0, intensity: Vec3::ONE, kind }];
+    assert!(!is_still(parts.clone(), 0.5) && is_still(parts.clone(), 0.25));
+    parts.lights[0].node = 1;
+    assert!(is_still(parts.clone(), 0.5));
+    parts.instances[0].node = 0;
+    assert!(!is_still(parts.clone(), 0.5) && is_still(parts, 0.25));
+
+    let mut moving = fixed();
+    let key = |time_secs, x| CameraKey { time_secs, eye: Vec3::new(x, 0.0, 9.0), target: Vec3::ZERO };
+    moving.motion = CameraMotion::Path { keys: vec![key(0.0, 0.0), key(1.0, 1.0)] };
+    let parts = SceneParts { cameras: vec![moving], ..scene() };
+    assert!(!is_still(parts.clone(), 0.5) && is_still(parts.clone(), 0.25));
+    // Both moments lie behind the end of the path.
+    assert!(animator(parts).advance(3.0, 2.0).is_still());
+    assert!(!is_still(particles(), 0.5) && is_still(particles(), 0.25));
 }
 
 #[test]

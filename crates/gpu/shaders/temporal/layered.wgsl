@@ -51,9 +51,19 @@ fn kept_of(front: Mean, back: Mean, coverage: f32, coverage_count: f32, back_dep
     );
 }
 
+// The most samples of a mean.
+fn most_samples() -> f32 {
+    return max(1.0 / P_WEIGHT, f32(temporal.still_count) / STILL_GAIN);
+}
+
+// Whether nothing has moved for so long that the histories are plain means from here on.
+fn is_settled() -> bool {
+    return f32(temporal.still_count) / STILL_GAIN > 1.0 / P_WEIGHT;
+}
+
 // With another sample.
 fn plus(mean: Mean, colour: vec4f, weight: f32) -> Mean {
-    let count = min(mean.count + 1.0, 1.0 / P_WEIGHT);
+    let count = min(mean.count + 1.0, most_samples());
     let mean_weight = mean.weight + (weight - mean.weight) / count;
     if mean_weight <= 0.0 {
         return mean;
@@ -141,6 +151,10 @@ fn cs_move(@builtin(global_invocation_id) id: vec3u) {
         moved[at] = kept_of(no_mean(), no_mean(), 0.0, 0.0, FAR_AWAY);
         return;
     }
+    if is_settled() {
+        moved[at] = kept[at];
+        return;
+    }
     let own = layers[at];
     var front_coverage = own.coverage;
     var front_motion = own.front_motion;
@@ -220,7 +234,7 @@ struct Samples {
 
 // Pulls a history into the wide ellipsoid of samples around: twin of `clipped`.
 fn clip(mean: Mean, samples: Samples) -> Mean {
-    if samples.count < LEAST_CLIPPING || mean.count <= 0.0 {
+    if samples.count < LEAST_CLIPPING || mean.count <= 0.0 || is_settled() {
         return mean;
     }
     let middle = samples.sum / samples.count;
@@ -257,7 +271,9 @@ fn rectified(mean: Mean, sums: Sums, sigmas: f32) -> Mean {
 // A layer of a pixel after the frame.
 fn updated(history: Mean, sums: Sums, colour: vec4f, is_sampled: bool, weight: f32, sigmas: f32) -> Mean {
     var mean = history;
-    if mean.count > 0.0 {
+    if mean.count > 0.0 && is_settled() {
+        // Whatever is new is noise.
+    } else if mean.count > 0.0 {
         mean = rectified(mean, sums, sigmas);
     } else if !is_sampled && sums.all_weights > 0.0 {
         mean = Mean(sums.colours / sums.all_weights, weight, BORROWED_COUNT, 0.0);
@@ -316,8 +332,11 @@ fn cs_update(@builtin(global_invocation_id) id: vec3u) {
     }
     let mean = sum / 9.0;
     let deviation = sqrt(max(squares / 9.0 - mean * mean, 0.0));
-    let clipped = clamp(history.front_sums.w, mean - deviation, mean + deviation);
-    let count = min(history.back_sums.w + 1.0, 1.0 / P_WEIGHT);
+    var clipped = history.front_sums.w;
+    if !is_settled() {
+        clipped = clamp(clipped, mean - deviation, mean + deviation);
+    }
+    let count = min(history.back_sums.w + 1.0, most_samples());
 
     let colour = ycocga_from_rgba(pixels[at].colour);
     let is_front = own.is_front != 0u;

@@ -14,6 +14,7 @@ mod picture;
 mod reprojection;
 mod shadows;
 mod stacked;
+mod still;
 mod stochastic;
 mod threads;
 mod thresholds;
@@ -31,13 +32,14 @@ pub use self::{
 /// A check could not be made.
 pub fn promises(threads: Option<usize>, progress: &dyn Progress) -> Result<Vec<Check>> {
     type Group = fn(Option<usize>) -> Result<Vec<Check>>;
-    let groups: [(&str, Group); 11] = [
+    let groups: [(&str, Group); 12] = [
         ("threshold maps", |_| Ok(maps::checks())),
         ("layers", layers::checks),
         ("alpha 0 and 1", ends::checks),
         ("threads", |_| threads::checks()),
         ("unbiased methods", unbiased::checks),
         ("stacked layers", stacked::checks),
+        ("still pictures", still::checks),
         ("thresholds", |_| thresholds::checks()),
         ("motion vectors", |_| Ok(reprojection::checks())),
         ("correction", correction::checks),

@@ -162,7 +162,7 @@ fn draws(stage: &mut Stage) -> Result<Image<Drawn>> {
     for frame in 0..FRAMES {
         stage.advance(clock.at(frame));
         let jitter = jitter(Antialiasing::ACCUMULATE, frame);
-        let frame_settings = FrameSettings { run: settings, frame, jitter, layers: None };
+        let frame_settings = FrameSettings { run: settings, frame, jitter, layers: None, is_still: true };
         let sums = render(stage, &OwnOrdered(MomentsOfDraws), &frame_settings)?.planes.colour;
         let frames = f64::from(FRAMES);
         for (pixel, sums) in drawn.as_mut_slice().iter_mut().zip(sums.as_slice()) {

@@ -64,7 +64,7 @@ mod tests {
         let stage = Stage::new(scene, &CameraChoice::Default, Some(1)).unwrap();
         for jitter in [Vec2::ZERO, Vec2::new(0.3, -0.2)] {
             let run = Settings { size: [64, 36], background: Background::None, ..Settings::default() };
-            let settings = FrameSettings { run, frame: 0, jitter, layers: None };
+            let settings = FrameSettings { run, frame: 0, jitter, layers: None, is_still: true };
             let shadows = Shadows::new(&stage, &run.shadow, 0, 0).unwrap();
             let tracer = Tracer::new(&stage, &settings, &shadows, sheer_core::coverage::Correction::NONE);
             let at = |pixel| {

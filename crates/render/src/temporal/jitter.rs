@@ -6,6 +6,17 @@ use glam::Vec2;
 /// is coprime to the 9 frames of the STD walk, so that every threshold meets every offset.
 pub(super) const JITTER_PERIOD: u32 = 16;
 
+/// Samples of the picture that layers converge to: as many as a reference has.
+const STILL_SAMPLES: u32 = 32;
+/// Frames after which they begin one later: thresholds that repeat after a power of two would meet each
+/// offset in few of their frames otherwise.
+const STILL_SHIFT_FRAMES: u32 = 64;
+
+/// The offset of a frame where frames may be averaged for long.
+pub(super) fn long_jitter(frame: u32) -> Vec2 {
+    halton((frame + frame / STILL_SHIFT_FRAMES) % STILL_SAMPLES + 1)
+}
+
 /// Offset from the pixel centre, each coordinate in (-0.5, 0.5) pixels: Halton's sequence of bases 2 and 3,
 /// at an index from 1 on.
 pub(super) fn halton(index: u32) -> Vec2 {

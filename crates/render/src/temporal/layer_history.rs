@@ -13,7 +13,7 @@ pub(super) struct Mean {
     pub(super) colour: Vec4,
     /// Mean weight of the samples.
     pub(super) weight: f32,
-    /// How many samples; no more than the weight of a new one allows.
+    /// How many samples; no more than a new one's least weight allows.
     pub(super) count: f32,
     /// Variance of their luma.
     pub(super) variance: f32,
@@ -44,10 +44,9 @@ pub(super) enum Side {
 impl Mean {
     pub(super) const NONE: Self = Self { colour: Vec4::ZERO, weight: 0.0, count: 0.0, variance: 0.0 };
 
-    /// With another sample: the mean of all samples by their weights, exponential once the new one's share
-    /// has fallen to `least_gain`.
-    pub(super) fn plus(self, colour: Vec4, weight: f32, least_gain: f32) -> Self {
-        let count = (self.count + 1.0).min(1.0 / least_gain);
+    /// With another sample: the mean of all samples by their weights, exponential once they are `most`.
+    pub(super) fn plus(self, colour: Vec4, weight: f32, most: f32) -> Self {
+        let count = (self.count + 1.0).min(most);
         let mean_weight = self.weight + (weight - self.weight) / count;
         if mean_weight <= 0.0 {
             return self;

@@ -167,7 +167,7 @@ impl History {
     /// # Errors
     /// [`ImageError::Size`] if a side is zero or memory does not suffice.
     pub fn new(antialiasing: Antialiasing, [width, height]: [u32; 2]) -> Result<Self, ImageError> {
-        let past = Past { planes: Planes::new(width, height)?, layers: None, count: 0 };
+        let past = Past { planes: Planes::new(width, height)?, layers: None, count: 0, still_count: 0 };
         Ok(Self { antialiasing, past })
     }
 
@@ -188,10 +188,11 @@ impl History {
         alignment: Alignment,
         settings: &FrameSettings,
     ) -> Result<(), ImageError> {
-        let FrameSettings { run: Settings { size, seed, .. }, frame, .. } = *settings;
+        let FrameSettings { run: Settings { size, seed, .. }, frame, is_still, .. } = *settings;
+        self.past.still_count = if is_still { self.past.still_count + 1 } else { 0 };
         let reprojection = Reprojection { alignment, size, frame, seed };
         let layers = self.antialiasing.technique().resolve(&self.past, &mut current, reprojection)?;
-        self.past = Past { planes: current, layers, count: self.past.count + 1 };
+        self.past = Past { planes: current, layers, count: self.past.count + 1, ..self.past };
         Ok(())
     }
 }
@@ -245,7 +246,11 @@ mod tests {
             let mut planes = Planes::new(1, 1).unwrap();
             planes.colour[(0, 0)] = [value; 4];
             history
-                .add(planes, Alignment::NONE, &FrameSettings { run, frame, jitter: Vec2::ZERO, layers: None })
+                .add(
+                    planes,
+                    Alignment::NONE,
+                    &FrameSettings { run, frame, jitter: Vec2::ZERO, layers: None, is_still: false },
+                )
                 .unwrap();
         }
         history.planes().colour[(0, 0)]

@@ -37,6 +37,8 @@ pub(super) struct Past {
     pub(super) layers: Option<LayerHistory>,
     /// How many frames.
     pub(super) count: u32,
+    /// How many frames in a row have shown the same, the new one among them.
+    pub(super) still_count: u32,
 }
 
 /// How frames are added up.

@@ -15,7 +15,7 @@ use super::{
 };
 use crate::{
     camera::{Camera, CameraPose},
-    model::{AlphaMode, Material, TextureRef},
+    model::{AlphaMode, Material, SceneParts, TextureRef},
     particle::ParticleSystem,
     scene::Scene,
 };
@@ -54,6 +54,7 @@ impl Animator {
             opacities: Vec::new(),
             deformed_normals: Vec::new(),
             lights: Vec::new(),
+            is_still: true,
         };
         let mut animator = Self { camera, moving, first_particle_id, frame };
         let pose = NodePose::at(scene.parts(), 0.0);
@@ -85,8 +86,11 @@ impl Animator {
 
         // Meshes: first where they were, then where they are.
         self.truncate_to_static();
-        if !self.moving.is_empty() && previous_secs != time_secs {
-            self.emit_moving(&NodePose::at(scene.parts(), previous_secs));
+        let has_lights = !scene.parts().lights.is_empty();
+        let previous_pose = ((!self.moving.is_empty() || has_lights) && previous_secs != time_secs)
+            .then(|| NodePose::at(scene.parts(), previous_secs));
+        if let Some(pose) = &previous_pose {
+            self.emit_moving(pose);
         }
         let mut previous = std::mem::take(&mut self.frame.previous_moving);
         previous.clear();
@@ -106,15 +110,16 @@ impl Animator {
             next_id += system.particles.len() as u32;
         }
         self.frame.lights.clear();
-        self.frame.lights.extend(scene.parts().lights.iter().map(|light| {
-            let world_from_node = pose.world_from_node[light.node as usize];
-            FrameLight {
-                position: world_from_node.translation.into(),
-                direction: world_from_node.transform_vector3(Vec3::NEG_Z).normalize_or(Vec3::NEG_Y),
-                intensity: light.intensity,
-                kind: light.kind,
-            }
-        }));
+        self.frame.lights.extend(lights_at(scene.parts(), &pose));
+
+        // Particles change their opacity even where they stay.
+        let frame = &mut self.frame;
+        let lives = previous_secs != time_secs && !scene.parts().particles.is_empty();
+        frame.is_still = frame.camera == frame.previous_camera
+            && !lives
+            && frame.previous_moving == frame.triangles[frame.static_counts.triangles..]
+            && previous_pose
+                .is_none_or(|pose| lights_at(scene.parts(), &pose).eq(frame.lights.iter().copied()));
         &self.frame
     }
 
@@ -247,6 +252,18 @@ impl Animator {
             frame.objects.push(object);
         }
     }
+}
+
+fn lights_at<'a>(parts: &'a SceneParts, pose: &'a NodePose) -> impl Iterator<Item = FrameLight> + 'a {
+    parts.lights.iter().map(|light| {
+        let world_from_node = pose.world_from_node[light.node as usize];
+        FrameLight {
+            position: world_from_node.translation.into(),
+            direction: world_from_node.transform_vector3(Vec3::NEG_Z).normalize_or(Vec3::NEG_Y),
+            intensity: light.intensity,
+            kind: light.kind,
+        }
+    })
 }
 
 fn tint_flag(material: &Material) -> u32 {

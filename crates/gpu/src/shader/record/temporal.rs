@@ -19,8 +19,8 @@ shader_struct! {
         seed: u32,
         /// One of the numbers `ALIGN_…`: how motion vectors are aligned to the pattern.
         alignment_rule: u32,
-        /// Fills the last row.
-        padding: u32,
+        /// How many frames in a row have shown the same, the new one among them.
+        still_count: u32,
     }
 }
 
