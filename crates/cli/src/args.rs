@@ -141,6 +141,10 @@ pub(crate) struct BenchArguments {
     /// Transparency method, NAME or NAME:KEY=VALUE,…; give as many as you like. Ratios are against the first.
     #[arg(short, long = "method", value_name = "METHOD", default_values = STD_METHODS, value_parser = method)]
     pub(crate) methods: Vec<Method>,
+    /// none, accumulate, taa or layered, each with keys as methods have them; give as many as you like. What
+    /// adding frames up takes is told by itself.
+    #[arg(short = 'a', long = "aa", value_name = "AA", default_value = "none")]
+    pub(crate) antialiasings: Vec<Antialiasing>,
     /// File for the figures, - for stdout in place of the table.
     #[arg(long, value_name = "FILE")]
     pub(crate) json: Option<PathBuf>,

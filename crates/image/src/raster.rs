@@ -88,6 +88,7 @@ impl<T> Image<T> {
 
     /// The pixel nearest to column `x` and row `y`, which may lie outside.
     #[must_use]
+    #[inline]
     pub fn get_clamped(&self, x: i64, y: i64) -> &T {
         let inside = |at: i64, size: u32| at.clamp(0, i64::from(size) - 1) as u32;
         &self[(inside(x, self.width), inside(y, self.height))]

@@ -1,4 +1,4 @@
-//! What frames cost, without anything being added up over time.
+//! What frames cost.
 
 use sheer_render::{Antialiasing, Backend, Method, Settings, backend::StepClock};
 
@@ -7,26 +7,32 @@ use crate::{
     play::{Event, pipelines, play},
 };
 
-/// The cost of each frame under each method, all in turn at each frame. `warms_up`: the first frame is
-/// rendered once more before, so that tables are built, memory is touched and the processor has left its
-/// sleep.
+/// The cost of each frame with each method under its anti-aliasing, all in turn at each frame, whatever
+/// moment the anti-aliasing would have a frame show. `warms_up`: the first frame is rendered once more
+/// before, so that tables are built, memory is touched and the processor has left its sleep.
 ///
 /// # Errors
 /// What the backend says.
 pub fn measure_cost<B: Backend>(
     backend: &B,
     stage: &mut B::Stage,
-    methods: &[Method],
+    methods: &[(&Method, Antialiasing)],
     settings: Settings,
     timeline: Timeline<'_>,
     warms_up: bool,
     progress: &dyn Progress,
 ) -> Result<Vec<Tally>> {
-    // The cost of adding frames up is no part of a frame's time (STD section 4), so they are not added up.
-    let mut pipelines = pipelines(backend, methods, Antialiasing::NONE, settings)?;
-    pipelines.iter().flat_map(|pipeline| backend.notes(pipeline)).for_each(|note| progress.warn(note));
-    progress.expect(u64::from(timeline.frames() + u32::from(warms_up)) * methods.len() as u64);
-    let mut tallies = vec![Tally::default(); methods.len()];
+    let mut pipelines = Vec::new();
+    for &(method, antialiasing) in methods {
+        pipelines.extend(self::pipelines(backend, [method], antialiasing, settings)?);
+    }
+    // Under another anti-aliasing a method has the same to say.
+    let first = methods.first().map(|(_, antialiasing)| *antialiasing);
+    for (pipeline, _) in pipelines.iter().zip(methods).filter(|(_, (_, own))| Some(*own) == first) {
+        backend.notes(pipeline).iter().for_each(|note| progress.warn(note));
+    }
+    progress.expect(u64::from(timeline.frames() + u32::from(warms_up)) * pipelines.len() as u64);
+    let mut tallies = vec![Tally::default(); pipelines.len()];
 
     if warms_up {
         let first = match timeline {

@@ -58,6 +58,19 @@ impl Tally {
         quantile(&self.frames.iter().map(|frame| frame.shadow_ms).collect::<Vec<_>>(), 0.5)
     }
 
+    /// The median of the milliseconds spent on adding frames up over time, no part of [`Self::ms`].
+    #[must_use]
+    pub fn resolve_ms(&self) -> f64 {
+        quantile(&self.frames.iter().map(|frame| frame.resolve_ms).collect::<Vec<_>>(), 0.5)
+    }
+
+    /// The median of the milliseconds of a frame with all that it takes.
+    #[must_use]
+    pub fn whole_ms(&self) -> f64 {
+        let whole = self.frames.iter().map(|frame| frame.frame_ms() + frame.resolve_ms);
+        quantile(&whole.collect::<Vec<_>>(), 0.5)
+    }
+
     /// Camera and shadow rays of a frame, mean.
     #[must_use]
     pub fn rays(&self) -> f64 {

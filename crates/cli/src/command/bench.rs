@@ -36,11 +36,14 @@ fn bench<B: Backend>(arguments: &BenchArguments, backend: &B) -> anyhow::Result<
     let methods = without_repeats(&arguments.methods);
     let mut opened = arguments.scene.open(backend, arguments.machine, console)?;
     let timeline = Timeline::of(&settings, Antialiasing::NONE, frame_count);
+    let antialiasings = without_repeats(&arguments.antialiasings);
+    let contestants: Vec<_> =
+        antialiasings.iter().flat_map(|aa| methods.iter().map(move |method| (method, *aa))).collect();
     let tallies =
-        measure_cost(backend, &mut opened.stage, &methods, settings, timeline, true, &console.bar())?;
+        measure_cost(backend, &mut opened.stage, &contestants, settings, timeline, true, &console.bar())?;
 
-    let row = |(method, tally)| BenchmarkRow::new(method, tally, &tallies[0]);
-    let rows = methods.iter().zip(&tallies).map(row).collect();
+    let row = |(&(method, aa), tally)| BenchmarkRow::new(method, aa, tally, &tallies[0]);
+    let rows = contestants.iter().zip(&tallies).map(row).collect();
     let run = setup::describe(backend, &arguments.scene, &opened, &settings, frame_count);
     let report = Benchmark { run, rows };
     if let Some(output) = &html {

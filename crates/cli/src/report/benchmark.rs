@@ -1,6 +1,6 @@
 //! The columns of a benchmark.
 
-use sheer_lab::{Column, Datum, Figures};
+use sheer_lab::{Column, Datum, Figures, Name};
 
 use super::json::{Benchmark, BenchmarkRow, Step};
 
@@ -20,7 +20,7 @@ const fn column<'a>(
 }
 
 /// All figures, in the order in which they are shown.
-fn columns<'a>() -> [Column<Row<'a>>; 9] {
+fn columns<'a>() -> [Column<Row<'a>>; 12] {
     [
         column(
             "ms",
@@ -43,6 +43,33 @@ fn columns<'a>() -> [Column<Row<'a>>; 9] {
             |Row { row, .. }| Some(row.build_ms_median),
             "Median time of animation and acceleration structure, milliseconds; part of ms.",
         ),
+        Column {
+            is_optional: true,
+            ..column(
+                "resolve ms",
+                2,
+                |Row { row, .. }| adds_up(row).then_some(row.resolve_ms_median),
+                "Median time of adding frames up over time, milliseconds; no part of ms.",
+            )
+        },
+        Column {
+            is_optional: true,
+            ..column(
+                "whole ms",
+                2,
+                |Row { row, .. }| adds_up(row).then_some(row.whole_ms_median),
+                "Median time of a frame with all that it takes, milliseconds.",
+            )
+        },
+        Column {
+            is_optional: true,
+            ..column(
+                "whole ratio",
+                3,
+                |Row { row, .. }| adds_up(row).then_some(row.whole_ratio),
+                "Median time of a whole frame over that of the first row.",
+            )
+        },
         column(
             "rays/px",
             2,
@@ -64,11 +91,24 @@ fn columns<'a>() -> [Column<Row<'a>>; 9] {
     ]
 }
 
+/// Whether frames are added up over time.
+fn adds_up(row: &BenchmarkRow) -> bool {
+    row.aa != "none"
+}
+
+/// Method and, where rows differ in it, anti-aliasing.
+pub(crate) fn label(report: &Benchmark, row: &BenchmarkRow) -> String {
+    if report.rows.iter().any(adds_up) { format!("{}, {}", row.method, row.aa) } else { row.method.clone() }
+}
+
 /// The table.
 pub(crate) fn figures(report: &Benchmark) -> Figures {
     let pixels = report.run.size.map(f64::from).iter().product();
     let rows: Vec<Row<'_>> = report.rows.iter().map(|row| Row { row, pixels }).collect();
-    Figures::new(&[("method", |row: &Row<'_>| row.row.method.clone())], &columns(), &rows)
+    let names: [Name<Row<'_>>; 2] =
+        [("method", |row| row.row.method.clone()), ("aa", |row| row.row.aa.clone())];
+    let names_aa = report.rows.iter().any(adds_up);
+    Figures::new(if names_aa { &names } else { &names[..1] }, &columns(), &rows)
 }
 
 /// The passes of each method, where the GPU's clock has timed them.
@@ -76,7 +116,7 @@ pub(crate) fn passes(report: &Benchmark) -> Option<Figures> {
     let row = |row: &BenchmarkRow, step: &Step| {
         let share = step.ms_median / row.steps.iter().map(|step| step.ms_median).sum::<f64>();
         vec![
-            Datum::Word(row.method.clone()),
+            Datum::Word(label(report, row)),
             Datum::Word(step.name.to_owned()),
             Datum::Number(Some(step.ms_median), 3),
             Datum::Number(Some(share), 3),

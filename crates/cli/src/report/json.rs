@@ -3,7 +3,7 @@
 
 use serde::Serialize;
 use sheer_lab::{AgainstTruth, Measured, Reference, Tally, verify::Check};
-use sheer_render::Method;
+use sheer_render::{Antialiasing, Method};
 
 /// How figures came about, in front of every report.
 #[derive(Clone, Debug, Serialize)]
@@ -160,6 +160,7 @@ pub(crate) struct Benchmark {
 #[derive(Debug, Serialize)]
 pub(crate) struct BenchmarkRow {
     pub(crate) method: String,
+    pub(crate) aa: String,
     /// Milliseconds of each frame, with acceleration structure builds.
     pub(crate) ms: Vec<f64>,
     pub(crate) ms_median: f64,
@@ -173,6 +174,11 @@ pub(crate) struct BenchmarkRow {
     pub(crate) build_ms_median: f64,
     /// Making shadow maps, part of `ms`.
     pub(crate) shadow_ms_median: f64,
+    /// Adding frames up over time, no part of `ms`.
+    pub(crate) resolve_ms_median: f64,
+    /// A frame with all that it takes, and its ratio to that of the first row.
+    pub(crate) whole_ms_median: f64,
+    pub(crate) whole_ratio: f64,
     /// Camera and shadow rays a frame, mean.
     pub(crate) rays: f64,
     /// Fragments shaded a frame, mean.
@@ -187,9 +193,10 @@ pub(crate) struct BenchmarkRow {
 
 impl BenchmarkRow {
     /// What the frames of a method cost, beside those of the first one.
-    pub(crate) fn new(method: &Method, tally: &Tally, first: &Tally) -> Self {
+    pub(crate) fn new(method: &Method, antialiasing: Antialiasing, tally: &Tally, first: &Tally) -> Self {
         Self {
             method: method.to_string(),
+            aa: antialiasing.to_string(),
             ms: tally.frame_ms(),
             ms_median: tally.ms(0.5),
             ms_min: tally.ms(0.0),
@@ -198,6 +205,9 @@ impl BenchmarkRow {
             ratio: tally.ms(0.5) / first.ms(0.5),
             build_ms_median: tally.build_ms(),
             shadow_ms_median: tally.shadow_ms(),
+            resolve_ms_median: tally.resolve_ms(),
+            whole_ms_median: tally.whole_ms(),
+            whole_ratio: tally.whole_ms() / first.whole_ms(),
             rays: tally.rays(),
             shaded: tally.shaded(),
             mray_per_s: tally.mray_per_s(),

@@ -43,6 +43,27 @@ fn a_report_has_the_names_and_types_of_its_contract() {
 }
 
 #[test]
+fn adding_frames_up_is_told_by_itself_and_with_the_whole() {
+    let folder = tempfile::tempdir().unwrap();
+    let arguments = "bench layers -m std -m joint -a taa -a layered --size 32x18 --frames 3";
+    let report = json(&succeed(folder.path(), &format!("{arguments} --json -")).stdout);
+    let rows = report["rows"].as_array().unwrap();
+    let names: Vec<[&str; 2]> =
+        rows.iter().map(|row| ["method", "aa"].map(|key| row[key].as_str().unwrap())).collect();
+    assert_eq!(names, [["std", "taa"], ["joint", "taa"], ["std", "layered"], ["joint", "layered"]]);
+    for row in rows {
+        let ms = |key: &str| row[key].as_f64().unwrap();
+        assert!(ms("resolve_ms_median") > 0.0 && ms("whole_ms_median") > ms("ms_min"), "{row}");
+    }
+    assert_eq!(rows[0]["whole_ratio"], 1.0);
+    let table = succeed(folder.path(), arguments).stdout;
+    assert!(table.lines().next().unwrap().contains("whole ratio"), "{table}");
+    // Where nothing is added up there is nothing to tell.
+    let plain = succeed(folder.path(), "bench layers -m std --size 32x18 --frames 1").stdout;
+    assert!(!plain.contains("whole") && !plain.contains("resolve"), "{plain}");
+}
+
+#[test]
 fn a_page_and_figures_are_written_side_by_side() {
     let folder = tempfile::tempdir().unwrap();
     let arguments = "bench layers -m baseline -m std --size 32x18 --frames 3 --json a.json --html a.html";

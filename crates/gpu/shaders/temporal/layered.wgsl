@@ -186,10 +186,11 @@ fn cs_move(@builtin(global_invocation_id) id: vec3u) {
     var coverage = 0.0;
     var coverage_count = 0.0;
     if place.is_inside {
+        // Without a front all around, nothing of one is left by the clip.
         if front_coverage > 0.0 {
             front = fetched(place, true, vec2f(0.0));
+            coverage = sharp_coverage(place).x;
         }
-        coverage = sharp_coverage(place).x;
         for (var dy = 0; dy <= 1; dy += 1) {
             for (var dx = 0; dx <= 1; dx += 1) {
                 let record = kept[index_of(clamped(place.pixel + vec2i(dx, dy)))];

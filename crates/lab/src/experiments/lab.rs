@@ -137,7 +137,10 @@ impl<B: Backend> Lab<'_, B> {
         methods: &[&str],
         moments: &[Moment],
     ) -> Result<Vec<Tally>> {
-        let methods = methods.iter().map(|method| method.parse()).collect::<Result<Vec<_>, _>>()?;
+        let methods = methods.iter().map(|method| method.parse()).collect::<Result<Vec<Method>, _>>()?;
+        // The cost of adding frames up is no part of a frame's time (STD section 4), so they are not added
+        // up.
+        let methods: Vec<_> = methods.iter().map(|method| (method, Antialiasing::NONE)).collect();
         let timeline = Timeline::Moments(moments);
         measure_cost(self.backend, stage, &methods, self.settings(0.0), timeline, false, self.progress)
     }

@@ -12,6 +12,7 @@ mod averages;
 mod claims;
 mod findings;
 mod lab;
+mod layered;
 mod layers;
 mod noise;
 mod quality;
@@ -134,6 +135,13 @@ impl<B: Backend + 'static> Experiment<B> {
             source: "own; STD section 6, first item",
             account: "Stacks of layers in closed form, then clips; `docs/joint.md` explains the method and weighs it.",
             run: averages::joint,
+        },
+        Self {
+            id: "layered",
+            title: "Layers averaged each by itself",
+            source: "own; STD section 6, ST section 3.3",
+            account: "Moving clips under plain TAA and under layered accumulation, held against the exact picture of many samples at the moment of each frame; `docs/layered.md` explains it and has more clips.",
+            run: layered::layered,
         },
         Self {
             id: "samples",

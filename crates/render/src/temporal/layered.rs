@@ -17,7 +17,7 @@ use super::{
     align::Reprojection,
     jitter::long_jitter,
     layer_history::{FARTHEST, Kept, LayerHistory, Mean, Side},
-    resample::{Place, rgba_from_ycocga, ycocga_from_rgba},
+    resample::{Around, Place, rgba_from_ycocga, ycocga_from_rgba},
     technique::{AntialiasingInfo, Past, Technique},
 };
 use crate::{
@@ -240,9 +240,11 @@ impl Sums {
         let (width, height) = samples.size();
         let tent = |a: u32, b: u32| 1.0 - a.abs_diff(b) as f32 / (radius + 1) as f32;
         let mut sums = [Self::NONE; 2];
+        let (first, end) = (x.saturating_sub(radius), (x + radius + 1).min(width));
         for row in y.saturating_sub(radius)..=(y + radius).min(height - 1) {
-            for column in x.saturating_sub(radius)..=(x + radius).min(width - 1) {
-                let sample = &samples[(column, row)];
+            let start = row as usize * width as usize;
+            let samples = &samples.as_slice()[start + first as usize..start + end as usize];
+            for (column, sample) in (first..).zip(samples) {
                 sums[sample.side as usize].add(sample, tent(row, y) * tent(column, x));
             }
         }
@@ -483,34 +485,35 @@ fn reprojected(history: &Image<Kept>, layers: &Image<PixelLayers>, [x, y]: [u32;
             }
         }
     }
-    let place =
-        |motion: [f32; 2]| Place::inside(history.size(), Vec2::new(x as f32, y as f32) + Vec2::from(motion));
+    let place = |motion: [f32; 2]| {
+        let at = Vec2::new(x as f32, y as f32) + Vec2::from(motion);
+        Some(Place::inside(history.size(), at)?.around(history))
+    };
     let mut moved = Kept::NONE;
-    let back_place = place(own.back_motion);
-    if let Some(place) = back_place {
+    let back_around = place(own.back_motion);
+    if let Some(around) = &back_around {
         let depths = nearest * (1.0 - DEPTH_TOLERANCE)..=furthest * (1.0 + DEPTH_TOLERANCE);
         let fits = |kept: &Kept| kept.back.count > 0.0 && depths.contains(&kept.back_depth);
-        moved.back = fetched(history, place, Side::Back, fits);
+        moved.back = fetched(around, Side::Back, fits);
     }
-    let front_place = if front.coverage > 0.0 { place(front.front_motion) } else { back_place };
-    if let Some(place) = front_place {
+    let front_around = if front.coverage > 0.0 { place(front.front_motion) } else { back_around };
+    if let Some(around) = &front_around {
+        // Without a front all around, nothing of one is left by the clip.
         if front.coverage > 0.0 {
-            moved.front = fetched(history, place, Side::Front, |kept| kept.front.count > 0.0);
+            moved.front = fetched(around, Side::Front, |kept| kept.front.count > 0.0);
+            moved.coverage = around.sharp(|kept| Vec4::splat(kept.coverage)).x;
         }
-        moved.coverage = place.sharp(history, |kept| Vec4::splat(kept.coverage)).x;
-        let counts =
-            place.bilinear().map(|((dx, dy), weight)| weight * place.pixel(history, dx, dy).coverage_count);
-        moved.coverage_count = counts.iter().sum();
+        moved.coverage_count =
+            around.bilinear().map(|(kept, weight)| weight * kept.coverage_count).iter().sum();
     }
     moved
 }
 
 /// The mean of the pixels around a place that fit; sharp where all do.
-fn fetched(history: &Image<Kept>, place: Place, side: Side, fits: impl Fn(&Kept) -> bool) -> Mean {
+fn fetched(around: &Around<'_, Kept>, side: Side, fits: impl Fn(&Kept) -> bool) -> Mean {
     let mut fitting = 0.0;
     let mut mean = Mean::NONE;
-    for ((dx, dy), weight) in place.bilinear() {
-        let kept = place.pixel(history, dx, dy);
+    for (kept, weight) in around.bilinear() {
         if weight > 0.0 && fits(kept) {
             let of_pixel = kept.mean(side);
             fitting += weight;
@@ -523,9 +526,8 @@ fn fetched(history: &Image<Kept>, place: Place, side: Side, fits: impl Fn(&Kept)
     if fitting < LEAST_FITTING {
         return Mean::NONE;
     }
-    let all_fit = (-1..=2).all(|dy| (-1..=2).all(|dx| fits(place.pixel(history, dx, dy))));
-    let colour =
-        if all_fit { place.sharp(history, |kept| kept.mean(side).colour) } else { mean.colour / fitting };
+    let is_sharp = !around.is_centre() && around.all(fits);
+    let colour = if is_sharp { around.sharp(|kept| kept.mean(side).colour) } else { mean.colour / fitting };
     Mean {
         colour,
         weight: mean.weight / fitting,

@@ -21,37 +21,63 @@ impl Place {
         is_inside.then(|| Self { column: low.x as i64, row: low.y as i64, share: at - low })
     }
 
-    /// The pixel at an offset; at the edges the nearest one.
-    pub(super) fn pixel<T>(self, image: &Image<T>, dx: i64, dy: i64) -> &T {
-        image.get_clamped(self.column + dx, self.row + dy)
+    /// The 4×4 pixels around; at the edges of the picture the nearest ones.
+    pub(super) fn around<T>(self, image: &Image<T>) -> Around<'_, T> {
+        let (width, height) = image.size();
+        let inside = |at: i64, size: u32| at.clamp(0, i64::from(size) - 1) as usize;
+        let columns = [-1, 0, 1, 2].map(|dx| inside(self.column + dx, width));
+        let rows = [-1, 0, 1, 2].map(|dy| inside(self.row + dy, height) * width as usize);
+        let pixels = image.as_slice();
+        Around { pixels: rows.map(|row| columns.map(|column| &pixels[row + column])), share: self.share }
+    }
+}
+
+/// The pixels around a place, row by row.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Around<'a, T> {
+    pixels: [[&'a T; 4]; 4],
+    share: Vec2,
+}
+
+impl<'a, T> Around<'a, T> {
+    /// The four nearest pixels with their bilinear weights.
+    pub(super) fn bilinear(&self) -> [(&'a T, f32); 4] {
+        let Vec2 { x, y } = self.share;
+        let [_, [_, upper_left, upper_right, _], [_, lower_left, lower_right, _], _] = self.pixels;
+        [
+            (upper_left, (1.0 - x) * (1.0 - y)),
+            (upper_right, x * (1.0 - y)),
+            (lower_left, (1.0 - x) * y),
+            (lower_right, x * y),
+        ]
     }
 
-    /// The four pixels around with their bilinear weights.
-    pub(super) fn bilinear(self) -> [((i64, i64), f32); 4] {
-        let Vec2 { x, y } = self.share;
-        [((0, 0), (1.0 - x) * (1.0 - y)), ((1, 0), x * (1.0 - y)), ((0, 1), (1.0 - x) * y), ((1, 1), x * y)]
+    /// Whether the place is a pixel's centre, so that this pixel alone counts.
+    pub(super) fn is_centre(&self) -> bool {
+        self.share == Vec2::ZERO
+    }
+
+    /// Whether all sixteen are so.
+    pub(super) fn all(&self, is_so: impl Fn(&T) -> bool) -> bool {
+        self.pixels.iter().flatten().all(|pixel| is_so(pixel))
     }
 
     /// The mean by Catmull and Rom's weights, which keep edges that bilinear lookups would blur a little more
-    /// in every frame; each channel within the range of the four pixels around, so that nothing swings over.
-    pub(super) fn sharp<T>(self, image: &Image<T>, of: impl Fn(&T) -> Vec4) -> Vec4 {
-        let texel = |dx, dy| of(self.pixel(image, dx, dy));
-        if self.share == Vec2::ZERO {
-            return texel(0, 0);
+    /// in every frame; each channel within the range of the four nearest pixels, so that nothing swings over.
+    pub(super) fn sharp(&self, of: impl Fn(&T) -> Vec4) -> Vec4 {
+        if self.is_centre() {
+            return of(self.pixels[1][1]);
         }
         let (wx, wy) = (catmull_rom(self.share.x), catmull_rom(self.share.y));
+        let values = self.pixels.map(|row| row.map(&of));
         let mut sum = Vec4::ZERO;
-        let (mut low, mut high) = (Vec4::INFINITY, Vec4::NEG_INFINITY);
-        for (dy, wy) in (-1..).zip(wy) {
-            for (dx, wx) in (-1..).zip(wx) {
-                let value = texel(dx, dy);
+        for (row, wy) in values.iter().zip(wy) {
+            for (&value, wx) in row.iter().zip(wx) {
                 sum += value * (wx * wy);
-                if (0..2).contains(&dx) && (0..2).contains(&dy) {
-                    (low, high) = (low.min(value), high.max(value));
-                }
             }
         }
-        sum.clamp(low, high)
+        let [_, [_, a, b, _], [_, c, d, _], _] = values;
+        sum.clamp(a.min(b).min(c.min(d)), a.max(b).max(c.max(d)))
     }
 }
 
@@ -102,7 +128,7 @@ mod tests {
         let edge = Image::from_fn(8, 1, |x, _| if x < 4 { 0.0 } else { 1.0 }).unwrap();
         for step in 0..70 {
             let place = Place::inside(edge.size(), Vec2::new(step as f32 * 0.1, 0.0)).unwrap();
-            let value = place.sharp(&edge, |&value: &f32| Vec4::splat(value)).x;
+            let value = place.around(&edge).sharp(|&value: &f32| Vec4::splat(value)).x;
             assert!((0.0..=1.0).contains(&value), "{value}");
         }
     }

@@ -124,7 +124,7 @@ impl Taa {
             let Some(place) = Place::inside(history.size(), Vec2::new(x as f32, y as f32) + motion) else {
                 return new.to_array();
             };
-            let old = place.sharp(history, |&rgba| rgba.into());
+            let old = place.around(history).sharp(|&rgba| rgba.into());
             let radius = if transparent { self.radius.into() } else { OPAQUE_RADIUS };
             let clipped = self.clip(old, &ycocga, [x, y], radius, reprojection.alignment.rule);
             (clipped + (new - clipped) * weight).to_array()

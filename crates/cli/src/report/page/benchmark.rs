@@ -8,7 +8,7 @@ use sheer_lab::{
 
 use super::fill;
 use crate::report::{
-    benchmark::{figures, passes},
+    benchmark::{figures, label, passes},
     chart::Chart,
     json::{Benchmark, Run},
 };
@@ -23,7 +23,8 @@ struct Context<'a> {
 
 /// The page as text.
 pub(crate) fn text(report: &Benchmark) -> anyhow::Result<String> {
-    let lines = report.rows.iter().map(|row| (row.method.as_str(), row.ms.as_slice()));
+    let names: Vec<String> = report.rows.iter().map(|row| label(report, row)).collect();
+    let lines = names.iter().zip(&report.rows).map(|(name, row)| (name.as_str(), row.ms.as_slice()));
     let time = time_chart(report.run.first_frame, lines);
     fill(
         "benchmark.html",
@@ -57,6 +58,7 @@ mod tests {
     fn the_page_needs_nothing_but_itself() {
         let row = |method: &str| BenchmarkRow {
             method: method.to_owned(),
+            aa: "none".to_owned(),
             ms: vec![1.0, 2.5],
             ms_median: 1.75,
             ms_min: 1.0,
@@ -65,6 +67,9 @@ mod tests {
             ratio: 1.0,
             build_ms_median: 0.0,
             shadow_ms_median: 0.0,
+            resolve_ms_median: 0.0,
+            whole_ms_median: 1.75,
+            whole_ratio: 1.0,
             rays: 64.0,
             shaded: 32.0,
             mray_per_s: 1.0,
