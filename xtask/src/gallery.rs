@@ -11,7 +11,7 @@ use anyhow::{Context as _, ensure};
 use clap::Args;
 use image::{ExtendedColorType, ImageEncoder as _, codecs::jpeg::JpegEncoder};
 
-use crate::workspace::{call, root};
+use crate::workspace::{call, release_binary};
 
 /// Render a folder of scenes.
 #[derive(Args)]
@@ -83,7 +83,7 @@ impl Gallery {
     /// Renders a file at a time into a JPEG; returns the renderer's warnings.
     fn picture(&self, file: &Path, time_secs: f32, out: &Path) -> anyhow::Result<String> {
         let png = out.with_extension("png");
-        let mut command = Command::new(root().join("target/release/sheer"));
+        let mut command = Command::new(release_binary());
         command.arg("render").arg(file).args(["-m", "baseline", "-a", "accumulate", "--size", SIZE]);
         command
             .args(["--frames", &self.frames.to_string(), "--time", &time_secs.to_string(), "-o"])

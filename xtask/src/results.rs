@@ -8,7 +8,7 @@ use clap::Args;
 
 use crate::{
     gallery::jpeg_from_png,
-    workspace::{call, root},
+    workspace::{call, release_binary, root},
 };
 
 const BEGIN: &str = "<!-- results:begin -->";
@@ -225,7 +225,7 @@ fn scaling(cores: usize) -> anyhow::Result<String> {
 /// Runs the program and returns what it prints on stdout.
 fn sheer(arguments: &[&str]) -> anyhow::Result<String> {
     eprintln!("$ sheer {}", arguments.join(" "));
-    let mut command = Command::new(root().join("target/release/sheer"));
+    let mut command = Command::new(release_binary());
     let output = command.args(arguments).arg("--quiet").current_dir(root()).output()?;
     ensure!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     Ok(String::from_utf8(output.stdout)?)
