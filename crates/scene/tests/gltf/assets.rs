@@ -2,6 +2,39 @@
 
 use std::path::PathBuf;
 
+#[cfg(feature = "draco")]
+#[test]
+fn a_draco_mesh_may_leave_numbers_of_points_unused() {
+    let of = |name: &str| load(&format!("draco-unused-points/{name}.gltf")).scene;
+    let corners = |scene: &sheer_scene::Scene| {
+        let mesh = &scene.parts().meshes[0];
+        let mut triangles: Vec<Vec<[i64; 3]>> = mesh
+            .indices
+            .iter()
+            .map(|triangle| {
+                // Quantisation moves corners by less than the grid is wide.
+                let mut corners: Vec<[i64; 3]> = triangle
+                    .iter()
+                    .map(|&corner| {
+                        (mesh.positions[corner as usize] * 500.0).round().to_array().map(|at| at as i64)
+                    })
+                    .collect();
+                corners.sort_unstable();
+                corners
+            })
+            .collect();
+        triangles.sort_unstable();
+        triangles
+    };
+    let (compressed, plain) = (corners(&of("compressed")), corners(&of("plain")));
+    assert_eq!((compressed.len(), plain.len()), (8, 8));
+    for (compressed, plain) in compressed.iter().flatten().zip(plain.iter().flatten()) {
+        for (a, b) in compressed.iter().zip(plain) {
+            assert!((a - b).abs() <= 1, "{compressed:?} in place of {plain:?}");
+        }
+    }
+}
+
 #[cfg(feature = "ktx2")]
 use serde_json::json;
 use sheer_scene::{Loaded, open};

@@ -34,9 +34,21 @@ fn other_versions_are_named() {
         builder.json["asset"]["version"] = json!("1.0");
         builder.json["meshes"] = json!({"mesh_0": {}});
     };
-    refused(spoil, "JSON", &["'1.0'", "glTF 2.0"]);
+    refused(spoil, "asset", &["'1.0'", "glTF 2.0"]);
     let spoil = |builder: &mut Builder| builder.json["nodes"] = json!([7]);
-    refused(spoil, "JSON", &["line", "export the file again"]);
+    refused(spoil, "nodes[0]", &["it is 7", "an object is expected", "export the file again"]);
+}
+
+#[test]
+fn what_is_written_off_but_plainly_is_read_and_said() {
+    let mut builder = Builder::triangle();
+    let count = builder.json["accessors"][0]["count"].as_f64().unwrap();
+    builder.json["accessors"][0]["count"] = json!(count);
+    builder.json["skins"] = json!(null);
+    let loaded = builder.load().unwrap();
+    assert_eq!(loaded.scene.parts().meshes[0].indices.len(), 1);
+    let warnings: Vec<String> = loaded.warnings.iter().map(ToString::to_string).collect();
+    assert!(warnings.iter().any(|warning| warning.contains("whole numbers")), "{warnings:?}");
 }
 
 #[test]

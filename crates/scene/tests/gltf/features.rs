@@ -255,15 +255,16 @@ fn morph_weights_are_animated_together() {
 fn keys_at_one_time_stay_a_jump_and_a_matrix_is_taken_apart() {
     let mut builder = Builder::triangle();
     builder.json["nodes"][0]["matrix"] = json!([2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 2, 0, 1, 2, 3, 1]);
-    let output = builder.floats("VEC3", &[0.0; 6]);
+    let output = builder.floats("VEC3", &[0.0; 9]);
     animate(&mut builder, "", "translation", "LINEAR", output);
-    let times = builder.floats("SCALAR", &[1.0, 1.0]);
+    let times = builder.floats("SCALAR", &[1.0; 3]);
     builder.json["animations"][0]["samplers"][0]["input"] = json!(times);
     let Loaded { scene, warnings } = builder.load().unwrap();
     let Track::Translation(keys) = &scene.parts().animations[0].channels[0].track else {
         panic!("not a translation")
     };
-    assert_eq!(keys.times_secs, [1.0, 1.0_f32.next_up()]);
+    let second = 1.0_f32.next_up();
+    assert_eq!(keys.times_secs, [1.0, second, second.next_up()]);
     assert!(
         matches!(scene.parts().nodes[0].transform, Transform::Trs { scale, .. } if scale.abs_diff_eq(Vec3::splat(2.0), 1e-6))
     );

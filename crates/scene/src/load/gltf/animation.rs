@@ -113,8 +113,8 @@ fn read_track(
     }))
 }
 
-/// Key times made strictly increasing: two keys at one time, a common way to write a jump, are moved apart by
-/// the least bit.
+/// Key times made strictly increasing: keys at one time, a common way to write a jump, are moved apart by the
+/// least bits.
 fn key_times(document: &Document<'_>, accessor: Index, place: &str) -> Result<Vec<f32>, SceneError> {
     let mut times = document.scalars(accessor, place)?;
     if times.is_empty() {
@@ -122,13 +122,16 @@ fn key_times(document: &Document<'_>, accessor: Index, place: &str) -> Result<Ve
             document.fault(place, format!("accessor {accessor} holds no key times; export the file again"))
         );
     }
-    let mut last = f32::NEG_INFINITY;
+    // What the file says, and what became of it.
+    let (mut last_read, mut last) = (f32::NEG_INFINITY, f32::NEG_INFINITY);
     for (key, time) in times.iter_mut().enumerate() {
-        if *time == last {
+        let is_sound = time.is_finite() && *time >= last_read;
+        last_read = *time;
+        if is_sound && *time <= last {
             *time = last.next_up();
             document.repaired(place, "keys at the same time were moved apart");
         }
-        if !time.is_finite() || *time < last {
+        if !is_sound {
             let problem = format!(
                 "key {key} of accessor {accessor} is not later than the one before it; sort the keys and export the file again"
             );

@@ -7,10 +7,11 @@ use std::{
 };
 
 use super::{
+    lenient,
     limits::{BASE_BYTES, BYTES_PER_INPUT_BYTE},
     meshopt,
     resource::{self, UriError},
-    schema::{Index, Root, VersionOnly},
+    schema::{Asset, Index, Root},
 };
 use crate::{SceneError, load::LoadWarning};
 
@@ -37,26 +38,18 @@ impl<'a> Document<'a> {
         };
         let (json, binary_chunk) =
             resource::split_container(bytes).map_err(|problem| fault("container", problem))?;
-        let version_of = |asset: &super::schema::Asset| {
-            let version = asset.min_version.as_deref().unwrap_or(&asset.version);
-            (version.split('.').next() != Some("2")
-                || asset.min_version.as_deref().is_some_and(|min| min != "2.0"))
-            .then(|| format!("the file is of glTF version '{version}'; export it as glTF 2.0"))
+        let strict: Option<Root> = serde_json::from_slice(json).ok();
+        let is_straightened = strict.is_none();
+        let root = match strict {
+            Some(root) => root,
+            None => lenient::parse(json, |only| version_problem(&only.asset))
+                .map_err(|lenient::Fault { place, problem }| fault(&place, problem))?,
         };
-        let root: Root = serde_json::from_slice(json).map_err(|error| {
-            // Version 1 has another shape altogether: say that instead.
-            let old =
-                serde_json::from_slice::<VersionOnly>(json).ok().and_then(|only| version_of(&only.asset));
-            let problem = old.unwrap_or_else(|| {
-                format!("{error}; export the file again, or check it with a glTF validator")
-            });
-            fault("JSON", problem)
-        })?;
-        if let Some(problem) = version_of(&root.asset) {
+        if let Some(problem) = version_problem(&root.asset) {
             return Err(fault("asset", problem));
         }
         let (buffer_count, view_count) = (root.buffers.len(), root.buffer_views.len());
-        Ok(Self {
+        let document = Self {
             root,
             path,
             binary_chunk,
@@ -65,7 +58,12 @@ impl<'a> Document<'a> {
             bytes_left: Cell::new(BASE_BYTES + BYTES_PER_INPUT_BYTE * bytes.len() as u64),
             warnings: RefCell::default(),
             warned: RefCell::default(),
-        })
+        };
+        if is_straightened {
+            document
+                .repaired("JSON", "whole numbers with a point or null in place of nothing were understood");
+        }
+        Ok(document)
     }
 
     /// An error at a place in this file.
@@ -200,6 +198,14 @@ impl<'a> Document<'a> {
         let bytes = self.views[index].get_or_init(|| bytes);
         Ok((bytes, view.byte_stride))
     }
+}
+
+/// Why a version cannot be read.
+fn version_problem(asset: &Asset) -> Option<String> {
+    let version = asset.min_version.as_deref().unwrap_or(&asset.version);
+    let is_known =
+        version.split('.').next() == Some("2") && asset.min_version.as_deref().is_none_or(|min| min == "2.0");
+    (!is_known).then(|| format!("the file is of glTF version '{version}'; export it as glTF 2.0"))
 }
 
 /// `mesh 3 'Body'`, or `mesh 3` if it has no name.

@@ -68,11 +68,13 @@ pub(super) fn decode(
 
     // The decoder is young: whatever invariant of its own it finds broken by bad data must not end the
     // program.
-    let attempt = panic::catch_unwind(|| decode_stream(&stream, vertex_count));
+    let attempt = panic::catch_unwind(|| decode_stream(&stream));
     let mesh = attempt
         .unwrap_or_else(|_| Err("the Draco data is damaged".to_owned()))
         .map_err(|problem| fault(&problem))?;
-    collect(document, extension, &mesh, vertex_count, &place).map(Some)
+    let points = Points::of(&mesh, vertex_count)
+        .ok_or_else(|| fault("a triangle refers to a vertex that is not there"))?;
+    collect(document, extension, &mesh, &points, &place).map(Some)
 }
 
 /// The numbers at the head of the connectivity.
@@ -113,11 +115,42 @@ impl Counts {
 }
 
 /// Decodes a stream whose counts are known to be affordable.
-fn decode_stream(stream: &[u8], vertex_count: usize) -> Result<draco_oxide_core::mesh::Mesh, String> {
+fn decode_stream(stream: &[u8]) -> Result<draco_oxide_core::mesh::Mesh, String> {
     draco_walk::check(stream).ok_or("the Draco data is damaged or of a kind that is not read")?;
-    let mesh = draco_oxide_decoder::decode_mesh(stream).map_err(|error| error.to_string())?;
-    let in_range = mesh.faces.iter().flatten().all(|&point| usize::from(point) < vertex_count);
-    if in_range { Ok(mesh) } else { Err("a triangle refers to a vertex that is not there".to_owned()) }
+    draco_oxide_decoder::decode_mesh(stream).map_err(|error| error.to_string())
+}
+
+/// The points of a decoded mesh that are vertices. Encoders that reorder a mesh may leave numbers of points
+/// unused, so that the greatest is beyond the number of vertices.
+struct Points {
+    /// How many vertices.
+    count: usize,
+    /// The points in use, ascending, where they are not the first `count`.
+    used: Option<Vec<usize>>,
+}
+
+impl Points {
+    /// `None` if more than `vertex_count` points are in use.
+    fn of(mesh: &draco_oxide_core::mesh::Mesh, vertex_count: usize) -> Option<Self> {
+        let points = || mesh.faces.iter().flatten().map(|&point| usize::from(point));
+        if points().all(|point| point < vertex_count) {
+            return Some(Self { count: vertex_count, used: None });
+        }
+        let mut used: Vec<usize> = points().collect();
+        used.sort_unstable();
+        used.dedup();
+        (used.len() <= vertex_count).then_some(Self { count: used.len(), used: Some(used) })
+    }
+
+    fn of_vertex(&self, vertex: usize) -> usize {
+        self.used.as_ref().map_or(vertex, |used| used[vertex])
+    }
+
+    /// Of a point in use.
+    fn vertex_of(&self, point: usize) -> u32 {
+        let rank = self.used.as_ref().map_or(Ok(point), |used| used.binary_search(&point));
+        rank.unwrap_or_default() as u32
+    }
 }
 
 /// Attributes by name, spread to one element a vertex.
@@ -125,7 +158,7 @@ fn collect(
     document: &Document<'_>,
     extension: &schema::Draco,
     mesh: &draco_oxide_core::mesh::Mesh,
-    vertex_count: usize,
+    points: &Points,
     place: &str,
 ) -> Result<Decoded, SceneError> {
     let fault = |problem: String| document.fault(place, format!("{problem}; compress the file again"));
@@ -138,14 +171,14 @@ fn collect(
             component.ok_or_else(|| fault(format!("{name} is of a type that glTF does not have")))?;
         let components = found.get_num_components();
         let element_bytes = components * component.size();
-        document.charge(vertex_count, element_bytes, place)?;
+        document.charge(points.count, element_bytes, place)?;
         let unique = found.get_data_as_bytes();
-        let mut bytes = Vec::with_capacity(vertex_count * element_bytes);
-        for vertex in 0..vertex_count {
+        let mut bytes = Vec::with_capacity(points.count * element_bytes);
+        for point in (0..points.count).map(|vertex| points.of_vertex(vertex)) {
             // Vertices share values through a map, or have their own.
             let value = match found.point_map_as_slice() {
-                Some(map) => map.get(vertex).map(|&value| usize::from(value)),
-                None => Some(vertex),
+                Some(map) => map.get(point).map(|&value| usize::from(value)),
+                None => Some(point),
             };
             let element =
                 value.and_then(|value| unique.get(value * element_bytes..(value + 1) * element_bytes));
@@ -155,7 +188,7 @@ fn collect(
         }
         attributes.insert(name.clone(), Attribute { component, components, bytes });
     }
-    let indices = mesh.faces.iter().flatten().map(|&point| usize::from(point) as u32).collect();
+    let indices = mesh.faces.iter().flatten().map(|&point| points.vertex_of(usize::from(point))).collect();
     Ok(Decoded { indices, attributes })
 }
 

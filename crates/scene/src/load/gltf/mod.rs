@@ -31,6 +31,7 @@ mod draco_walk;
 mod image;
 #[cfg(feature = "ktx2")]
 mod ktx2;
+mod lenient;
 mod limits;
 mod material;
 mod mesh;

@@ -55,7 +55,9 @@ pub(super) fn split_container(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), St
         let end = start.checked_add(length).ok_or_else(cut_short)?;
         let kind = bytes.get(at + 4..start).ok_or_else(cut_short)?;
         chunks.push((kind, bytes.get(start..end).ok_or_else(cut_short)?));
-        at = end.next_multiple_of(4);
+        // Chunks begin at multiples of four bytes, but some writers forget to pad them.
+        let aligned = end.next_multiple_of(4);
+        at = if !begins_chunk(bytes, aligned) && begins_chunk(bytes, end) { end } else { aligned };
     }
     match chunks[..] {
         [(kind, json), ref rest @ ..] if kind == GLB_CHUNK_JSON => {
@@ -64,6 +66,14 @@ pub(super) fn split_container(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), St
         }
         _ => Err("the first chunk of the GLB container is not JSON; export the file again".to_owned()),
     }
+}
+
+/// Whether a binary chunk that fits stands at an offset.
+fn begins_chunk(bytes: &[u8], at: usize) -> bool {
+    let Some((length, rest)) = bytes.get(at..).and_then(|rest| rest.split_first_chunk::<4>()) else {
+        return false;
+    };
+    rest.strip_prefix(&GLB_CHUNK_BIN).is_some_and(|data| data.len() >= u32::from_le_bytes(*length) as usize)
 }
 
 /// The bytes a URI stands for: inline data, or a file below `folder`. The error says what is wrong and what
@@ -105,15 +115,27 @@ fn path_below(uri: &str, folder: &Path) -> Result<PathBuf, String> {
     let text = String::from_utf8(decoded.into_owned())
         .map_err(|_| format!("'{shown}' is not a file name in UTF-8"))?;
     // Windows exporters write backslashes.
-    let relative = PathBuf::from(text.replace('\\', "/"));
-    let stays_below =
-        relative.components().all(|component| matches!(component, Component::Normal(_) | Component::CurDir));
-    if !stays_below || text.contains('\0') || text.is_empty() {
-        return Err(format!(
+    let text = text.replace('\\', "/");
+    let inside = (!text.contains('\0')).then(|| inside_path(Path::new(&text))).flatten();
+    inside.map(|relative| folder.join(relative)).ok_or_else(|| {
+        format!(
             "'{shown}' lies outside the folder of the file; move it there and refer to it by a relative name"
-        ));
+        )
+    })
+}
+
+/// A relative path without `.` and `..`; none if it is empty, absolute, or leaves the folder on its way.
+fn inside_path(path: &Path) -> Option<PathBuf> {
+    let mut inside = PathBuf::new();
+    for component in path.components() {
+        match component {
+            Component::Normal(name) => inside.push(name),
+            Component::CurDir => {}
+            Component::ParentDir => inside.pop().then_some(())?,
+            Component::Prefix(_) | Component::RootDir => return None,
+        }
     }
-    Ok(folder.join(relative))
+    (!inside.as_os_str().is_empty()).then_some(inside)
 }
 
 /// `mediatype;base64,data` or `mediatype,percent-encoded` (RFC 2397).
@@ -215,10 +237,13 @@ mod tests {
     fn files_stay_below_the_folder() {
         let folder = Path::new("scenes");
         assert_eq!(path_below("Normal%20Map.png", folder).unwrap(), Path::new("scenes/Normal Map.png"));
-        assert_eq!(path_below("./textures\\a.png", folder).unwrap(), Path::new("scenes/./textures/a.png"));
+        assert_eq!(path_below("./textures\\a.png", folder).unwrap(), Path::new("scenes/textures/a.png"));
+        assert_eq!(path_below("sub/../a.png", folder).unwrap(), Path::new("scenes/a.png"));
         for outside in [
             "../a.bin",
             "a/../../b",
+            "a/..",
+            ".",
             "/etc/passwd",
             "http://x/y.bin",
             "%2e%2e/a",
@@ -238,6 +263,14 @@ mod tests {
         assert_eq!(split_container(&glb).unwrap(), (&b"{}  "[..], Some(&b"data"[..])));
         for length in 4..glb.len() {
             assert!(split_container(&glb[..length]).is_err(), "{length}");
+        }
+        // The chunk after JSON of three bytes stands where it ends, or where it is padded to.
+        for padding in [&b""[..], b" "] {
+            let mut glb = b"glTF\x02\0\0\0\0\0\0\0\x03\0\0\0JSON{} ".to_vec();
+            glb.extend_from_slice(padding);
+            glb.extend_from_slice(b"\x04\0\0\0BIN\0data");
+            glb[8] = glb.len() as u8;
+            assert_eq!(split_container(&glb).unwrap(), (&b"{} "[..], Some(&b"data"[..])), "{padding:?}");
         }
         glb[4] = 1;
         assert!(split_container(&glb).unwrap_err().contains("version 1"));
