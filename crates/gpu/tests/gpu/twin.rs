@@ -29,6 +29,8 @@ const SCENES: [(&str, Option<f32>); 5] = [
 ];
 /// Large enough that few pixels are edges.
 const SIZE: [u32; 2] = [256, 144];
+/// Of the scene with tens of layers everywhere, which takes most of the time.
+const DEEP: (&str, [u32; 2]) = ("smoke-square", [128, 72]);
 /// Colours of the same fragment differ by no more than half floats do, 2⁻¹¹, twice; few pixels are edges.
 const TOLERANCE: Tolerance = Tolerance {
     colour: 1.0 / 1024.0,
@@ -55,8 +57,9 @@ fn scene(text: &str, alpha: Option<f32>) -> Arc<Scene> {
     })
 }
 
-fn settings(seed: u32) -> Settings {
-    Settings { size: SIZE, seed, first_frame: 4, ..Settings::default() }
+fn settings(scene: &Scene, seed: u32) -> Settings {
+    let size = if scene.parts().name == DEEP.0 { DEEP.1 } else { SIZE };
+    Settings { size, seed, first_frame: 4, ..Settings::default() }
 }
 
 fn cpu_stage(scene: &Arc<Scene>) -> Stage {
@@ -64,14 +67,15 @@ fn cpu_stage(scene: &Arc<Scene>) -> Stage {
 }
 
 fn on_cpu(stage: &mut Stage, method: &str) -> Planes {
-    picture(&Cpu, stage, &method.parse().unwrap(), Antialiasing::NONE, settings(0), 1).unwrap().0
+    let settings = settings(stage.frame().scene(), 0);
+    picture(&Cpu, stage, &method.parse().unwrap(), Antialiasing::NONE, settings, 1).unwrap().0
 }
 
 fn on_gpu(gpu: &Arc<Gpu>, path: GpuPathChoice, scene: &Arc<Scene>, method: &str, seed: u32) -> Planes {
     let backend = GpuBackend::new(Arc::clone(gpu), path);
     let mut stage = backend.stage(Arc::clone(scene), &CameraChoice::Default, None).unwrap();
     let method = method.parse().unwrap();
-    picture(&backend, &mut stage, &method, Antialiasing::NONE, settings(seed), 1).unwrap().0
+    picture(&backend, &mut stage, &method, Antialiasing::NONE, settings(scene, seed), 1).unwrap().0
 }
 
 fn difference(stage: &Stage, expected: &Planes, found: &Planes) -> Disagreement {
@@ -121,10 +125,11 @@ fn selection_shows_the_cpus_fragments_on_both_paths() {
 #[test]
 fn a_further_traversal_of_selection_merges_nothing() {
     let scene = scene("layers:count=20,alpha=0.05", None);
+    let settings = settings(&scene, 0);
     let mut stage = GpuStage::new(&GPU, scene, &CameraChoice::Default, None).unwrap();
     let method: Method = "joint".parse().unwrap();
     let mut pipeline =
-        GpuPipeline::new(&GPU, GpuPathChoice::Ray, method, Antialiasing::NONE, settings(0)).unwrap();
+        GpuPipeline::new(&GPU, GpuPathChoice::Ray, method, Antialiasing::NONE, settings).unwrap();
     stage.advance(pipeline.clock().at(0)).unwrap();
     let (counters, _) = pipeline.render(&mut stage, 0).unwrap();
     let pixels = u64::from(SIZE[0]) * u64::from(SIZE[1]);
