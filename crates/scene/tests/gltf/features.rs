@@ -454,7 +454,7 @@ fn a_transmission_texture_goes_into_the_base_colour() {
 }
 
 #[test]
-fn specular_glossiness_is_converted_unless_the_file_offers_both() {
+fn specular_glossiness_is_converted_and_wins_over_its_fallback() {
     let glossy = json!({"KHR_materials_pbrSpecularGlossiness": {"diffuseFactor": [0, 0, 0, 0.5], "specularFactor": [1, 0.5, 0.25], "glossinessFactor": 0.75}});
     let mut builder = Builder::triangle();
     builder.material(json!({"extensions": glossy}));
@@ -472,6 +472,10 @@ fn specular_glossiness_is_converted_unless_the_file_offers_both() {
     assert_eq!(textured.textures[0].image[(0, 0)][3], 128);
     assert_eq!(textured.textures[1].image[(0, 0)][1..3], [64, 255]);
     builder.json["materials"][0]["pbrMetallicRoughness"] = json!({"roughnessFactor": 0.125});
+    assert_eq!(material(&builder).roughness, 1.0);
+    assert_eq!(parts(&builder).textures.len(), 2);
+    // Unlit materials have no other colour than that of the core.
+    builder.json["materials"][0]["extensions"]["KHR_materials_unlit"] = json!({});
     assert_eq!(material(&builder).roughness, 0.125);
 }
 

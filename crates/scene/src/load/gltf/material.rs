@@ -138,9 +138,13 @@ impl Materials<'_, '_> {
             ..Material::default()
         };
 
-        // A file that offers both models has its metallic-roughness one made by its author.
+        // Of a file that has both models the core's is the fallback for those who do not know the other
+        // (KHR_materials_pbrSpecularGlossiness, "Best Practices"); unlit materials are defined by the core's.
+        let is_unlit = extensions.unlit.is_some();
         match (&described.pbr_metallic_roughness, &extensions.specular_glossiness) {
-            (None, Some(glossy)) => self.read_specular_glossiness(&mut material, glossy, &place)?,
+            (given, Some(glossy)) if given.is_none() || !is_unlit => {
+                self.read_specular_glossiness(&mut material, glossy, &place)?;
+            }
             (given, _) => {
                 let default = schema::MetallicRoughness::default();
                 let given = given.as_ref().unwrap_or(&default);
