@@ -39,6 +39,13 @@ pub enum LoadWarning {
         /// Animation index and name.
         place: String,
     },
+    /// A morph target of something else than positions and normals.
+    MorphIgnored {
+        /// Mesh and primitive, with index and name.
+        place: String,
+        /// What it moves, as the file spells it.
+        attribute: String,
+    },
     /// The file was repaired in a way its author would want, e.g. a normal that was not of unit length.
     Repaired {
         /// The part that was repaired, with index and name.
@@ -58,6 +65,9 @@ impl fmt::Display for LoadWarning {
             }
             Self::AnimationSkipped { place } => {
                 write!(f, "{place} is not played: it moves what an earlier animation moves")
+            }
+            Self::MorphIgnored { place, attribute } => {
+                write!(f, "{place}: morph targets of {attribute} have no effect here")
             }
             Self::Repaired { place, what } => write!(f, "{place}: {what}"),
         }

@@ -454,6 +454,16 @@ fn a_transmission_texture_goes_into_the_base_colour() {
 }
 
 #[test]
+fn morph_targets_of_colours_are_named() {
+    let mut builder = Builder::triangle();
+    let fading = builder.floats("VEC4", &[0.0; 12]);
+    builder.primitive()["targets"] = json!([{"COLOR_0": fading}, {"COLOR_0": fading, "TEXCOORD_0": fading}]);
+    let warnings: Vec<String> = builder.load().unwrap().warnings.iter().map(ToString::to_string).collect();
+    assert_eq!(warnings.len(), 2, "{warnings:?}");
+    assert!(warnings[0].contains("COLOR_0") && warnings[1].contains("TEXCOORD_0"), "{warnings:?}");
+}
+
+#[test]
 fn specular_glossiness_is_converted_and_wins_over_its_fallback() {
     let glossy = json!({"KHR_materials_pbrSpecularGlossiness": {"diffuseFactor": [0, 0, 0, 0.5], "specularFactor": [1, 0.5, 0.25], "glossinessFactor": 0.75}});
     let mut builder = Builder::triangle();

@@ -291,11 +291,15 @@ impl<'d, 'a> Reader<'d, 'a> {
                     None => Ok(deltas),
                 }
             };
-            let target = MorphTarget {
+            let morphs = MorphTarget {
                 positions: displacements("POSITION", true)?,
                 normals: displacements("NORMAL", !mesh.normals.is_empty())?,
             };
-            mesh.morph_targets.push(target);
+            mesh.morph_targets.push(morphs);
+            for attribute in target.keys().filter(|name| !["POSITION", "NORMAL"].contains(&name.as_str())) {
+                let (place, attribute) = (self.place.clone(), attribute.clone());
+                self.document.warn(LoadWarning::MorphIgnored { place, attribute });
+            }
         }
         Ok(())
     }
