@@ -96,7 +96,7 @@ fn adds_up(row: &BenchmarkRow) -> bool {
     row.aa != "none"
 }
 
-/// Method and, where rows differ in it, anti-aliasing.
+/// Method and, where frames are added up, anti-aliasing.
 pub(crate) fn label(report: &Benchmark, row: &BenchmarkRow) -> String {
     if report.rows.iter().any(adds_up) { format!("{}, {}", row.method, row.aa) } else { row.method.clone() }
 }

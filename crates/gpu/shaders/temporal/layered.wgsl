@@ -51,19 +51,19 @@ fn kept_of(front: Mean, back: Mean, coverage: f32, coverage_count: f32, back_dep
     );
 }
 
-// The most samples of a mean.
-fn most_samples() -> f32 {
-    return max(1.0 / P_WEIGHT, f32(temporal.still_count) / STILL_GAIN);
+// The most samples of a mean after so many frames that show the same.
+fn still_samples() -> f32 {
+    return f32(temporal.still_count) / STILL_GAIN;
 }
 
-// Whether nothing has moved for so long that the histories are plain means from here on.
+// Whether these are so many that the histories are plain means from here on.
 fn is_settled() -> bool {
-    return f32(temporal.still_count) / STILL_GAIN > 1.0 / P_WEIGHT;
+    return temporal.count > 0u && still_samples() > 1.0 / P_WEIGHT;
 }
 
 // With another sample.
-fn plus(mean: Mean, colour: vec4f, weight: f32) -> Mean {
-    let count = min(mean.count + 1.0, most_samples());
+fn plus(mean: Mean, colour: vec4f, weight: f32, most: f32) -> Mean {
+    let count = min(mean.count + 1.0, most);
     let mean_weight = mean.weight + (weight - mean.weight) / count;
     if mean_weight <= 0.0 {
         return mean;
@@ -152,7 +152,6 @@ fn cs_move(@builtin(global_invocation_id) id: vec3u) {
         return;
     }
     if is_settled() {
-        moved[at] = kept[at];
         return;
     }
     let own = layers[at];
@@ -235,7 +234,7 @@ struct Samples {
 
 // Pulls a history into the wide ellipsoid of samples around: twin of `clipped`.
 fn clip(mean: Mean, samples: Samples) -> Mean {
-    if samples.count < LEAST_CLIPPING || mean.count <= 0.0 || is_settled() {
+    if samples.count < LEAST_CLIPPING || mean.count <= 0.0 {
         return mean;
     }
     let middle = samples.sum / samples.count;
@@ -272,17 +271,30 @@ fn rectified(mean: Mean, sums: Sums, sigmas: f32) -> Mean {
 // A layer of a pixel after the frame.
 fn updated(history: Mean, sums: Sums, colour: vec4f, is_sampled: bool, weight: f32, sigmas: f32) -> Mean {
     var mean = history;
-    if mean.count > 0.0 && is_settled() {
-        // Whatever is new is noise.
-    } else if mean.count > 0.0 {
+    if mean.count > 0.0 {
         mean = rectified(mean, sums, sigmas);
     } else if !is_sampled && sums.all_weights > 0.0 {
         mean = Mean(sums.colours / sums.all_weights, weight, BORROWED_COUNT, 0.0);
     }
     if is_sampled {
-        return plus(mean, colour, weight);
+        return plus(mean, colour, weight, 1.0 / P_WEIGHT);
     }
     return mean;
+}
+
+// With another sample of what stands still.
+fn averaged(record: KeptLayers, own: LayersRecord, colour: vec4f) -> KeptLayers {
+    let most = still_samples();
+    var front = front_of(record);
+    var back = back_of(record);
+    if own.is_front != 0u {
+        front = plus(front, colour, weight_of(own, true), most);
+    } else {
+        back = plus(back, colour, weight_of(own, false), most);
+    }
+    let count = min(record.back_sums.w + 1.0, most);
+    let coverage = record.front_sums.w + (own.coverage - record.front_sums.w) / count;
+    return kept_of(front, back, coverage, count, min(own.back_depth, FAR_AWAY));
 }
 
 @compute @workgroup_size(GROUP_SIDE, GROUP_SIDE)
@@ -292,6 +304,10 @@ fn cs_update(@builtin(global_invocation_id) id: vec3u) {
     }
     let at = index_of(id.xy);
     let own = layers[at];
+    if is_settled() {
+        next_kept[at] = averaged(kept[at], own, ycocga_from_rgba(pixels[at].colour));
+        return;
+    }
     let history = moved[at];
     var front_sums: Sums;
     var back_sums: Sums;
@@ -333,11 +349,8 @@ fn cs_update(@builtin(global_invocation_id) id: vec3u) {
     }
     let mean = sum / 9.0;
     let deviation = sqrt(max(squares / 9.0 - mean * mean, 0.0));
-    var clipped = history.front_sums.w;
-    if !is_settled() {
-        clipped = clamp(clipped, mean - deviation, mean + deviation);
-    }
-    let count = min(history.back_sums.w + 1.0, most_samples());
+    let clipped = clamp(history.front_sums.w, mean - deviation, mean + deviation);
+    let count = min(history.back_sums.w + 1.0, 1.0 / P_WEIGHT);
 
     let colour = ycocga_from_rgba(pixels[at].colour);
     let is_front = own.is_front != 0u;

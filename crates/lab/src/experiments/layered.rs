@@ -84,7 +84,7 @@ fn judge(scene: &str, under_taa: &Played, under_layers: &Played) -> (Vec<Claim>,
     (claims, [&layered, &baseline].map(|of| Sample::new(of.name.clone(), over_std(of))))
 }
 
-/// Clips under both, and a still one.
+/// Each clip under both.
 pub(super) fn layered<B: Backend>(lab: &Lab<'_, B>) -> Result<Findings> {
     let mut findings = Findings::default();
     let mut ways: [Vec<Sample>; 2] = Default::default();

@@ -109,8 +109,8 @@ const LEAST_ERROR: f32 = 1e-6;
 /// Radius of the neighbourhood that the front is smoothed in, pixels: 5×5.
 const SMOOTHING_RADIUS: i64 = 2;
 
-/// New samples per sample that the mean holds, where nothing moves: the weight of the nth is 2/n, so that
-/// what motion left behind fades with the square of the number while the mean converges.
+/// Where nothing moves the nth sample weighs this over n: what motion left behind fades with the square of
+/// the number while the mean converges.
 const STILL_GAIN: f32 = 2.0;
 
 /// Layered accumulation.
@@ -126,40 +126,6 @@ pub(super) struct Layered {
     smooth: f32,
     /// Least share of either layer in the samples.
     least_share: f32,
-}
-
-/// How much the histories hold.
-#[derive(Clone, Copy, Debug)]
-struct Memory {
-    /// Most samples of a mean.
-    most_samples: f32,
-    /// Whether nothing has moved for so long that the histories hold what is seen and nothing else: they are
-    /// plain means from here on, and converge.
-    is_settled: bool,
-}
-
-impl Memory {
-    /// The mean coverage after the frame, and of how many frames. It is exact in each of them, so that what
-    /// it varies by is the scene and the jitter, and a clip to the 3×3 pixels around does no harm.
-    fn coverage(self, layers: &Image<PixelLayers>, moved: &Kept, [x, y]: [u32; 2]) -> (f32, f32) {
-        let (mut sum, mut squares) = (0.0, 0.0);
-        for dy in -1..=1 {
-            for dx in -1..=1 {
-                let coverage = layers.get_clamped(i64::from(x) + dx, i64::from(y) + dy).coverage;
-                sum += coverage;
-                squares += coverage * coverage;
-            }
-        }
-        let mean = sum / 9.0;
-        let deviation = (squares / 9.0 - mean * mean).max(0.0).sqrt();
-        let clipped = if self.is_settled {
-            moved.coverage
-        } else {
-            moved.coverage.clamp(mean - deviation, mean + deviation)
-        };
-        let count = (moved.coverage_count + 1.0).min(self.most_samples);
-        (clipped + (layers[(x, y)].coverage - clipped) / count, count)
-    }
 }
 
 /// How much of a layer there is in a pixel, over the probability of choosing it: with these weights, means of
@@ -281,34 +247,12 @@ impl Technique for Layered {
                 &one_layer
             }
         };
-        // Each layer's history, where it is now.
-        let memory = self.memory(past.still_count);
-        let moved = match &past.layers {
-            Some(history) if memory.is_settled => history.0.clone(),
-            Some(history) => {
-                Image::par_from_fn(width, height, |x, y| reprojected(&history.0, layers, [x, y]))?
-            }
-            None => Image::filled(width, height, Kept::NONE)?,
+        let kept = match (&past.layers, self.still_samples(past.still_count)) {
+            (Some(LayerHistory(history)), Some(most)) => Image::par_from_fn(width, height, |x, y| {
+                averaged(&history[(x, y)], current.colour[(x, y)], &layers[(x, y)], most)
+            })?,
+            (history, _) => self.rectified_history(history.as_ref(), &current.colour, layers)?,
         };
-        // What the new samples say of it.
-        let samples = Image::par_from_fn(width, height, |x, y| {
-            Sample::new(current.colour[(x, y)], &layers[(x, y)], &moved[(x, y)])
-        })?;
-        let kept = Image::par_from_fn(width, height, |x, y| {
-            let (own, sample, moved) = (&layers[(x, y)], &samples[(x, y)], &moved[(x, y)]);
-            let [front, back] = Sums::around(&samples, [x, y], self.radius);
-            let (coverage, coverage_count) = memory.coverage(layers, moved, [x, y]);
-            let back_mean =
-                if memory.is_settled { moved.back } else { clipped(moved.back, &samples, [x, y]) };
-            let moved = &Kept { back: back_mean, ..*moved };
-            Kept {
-                front: self.updated(Side::Front, moved, &front, sample, own, memory),
-                back: self.updated(Side::Back, moved, &back, sample, own, memory),
-                coverage,
-                coverage_count,
-                back_depth: own.back_depth.min(FARTHEST),
-            }
-        })?;
         // The picture.
         current.colour = Image::par_from_fn(width, height, |x, y| self.shown(&kept, [x, y]))?;
         Ok(Some(LayerHistory(kept)))
@@ -340,28 +284,53 @@ impl Layered {
         }
     }
 
-    /// What the histories hold after so many frames in a row that show the same.
-    fn memory(self, still_count: u32) -> Memory {
-        let (moving, still) = (1.0 / self.weight, still_count as f32 / STILL_GAIN);
-        Memory { most_samples: moving.max(still), is_settled: still > moving }
+    /// The histories with a new frame, held against it.
+    fn rectified_history(
+        self,
+        history: Option<&LayerHistory>,
+        colours: &Image<[f32; 4]>,
+        layers: &Image<PixelLayers>,
+    ) -> Result<Image<Kept>, ImageError> {
+        let (width, height) = colours.size();
+        // Each layer's history, where it is now.
+        let moved = match history {
+            Some(LayerHistory(history)) => {
+                Image::par_from_fn(width, height, |x, y| reprojected(history, layers, [x, y]))?
+            }
+            None => Image::filled(width, height, Kept::NONE)?,
+        };
+        // What the new samples say of it.
+        let samples = Image::par_from_fn(width, height, |x, y| {
+            Sample::new(colours[(x, y)], &layers[(x, y)], &moved[(x, y)])
+        })?;
+        Image::par_from_fn(width, height, |x, y| {
+            let (own, sample, moved) = (&layers[(x, y)], &samples[(x, y)], &moved[(x, y)]);
+            let [front, back] = Sums::around(&samples, [x, y], self.radius);
+            let (coverage, coverage_count) = self.coverage(layers, moved, [x, y]);
+            let moved = &Kept { back: clipped(moved.back, &samples, [x, y]), ..*moved };
+            Kept {
+                front: self.updated(Side::Front, moved, &front, sample, own),
+                back: self.updated(Side::Back, moved, &back, sample, own),
+                coverage,
+                coverage_count,
+                back_depth: own.back_depth.min(FARTHEST),
+            }
+        })
+    }
+
+    /// The most samples of a mean after so many frames in a row that show the same, once they are so many
+    /// that the histories hold what is seen and nothing else; none before.
+    fn still_samples(self, still_count: u32) -> Option<f32> {
+        let samples = still_count as f32 / STILL_GAIN;
+        (samples > 1.0 / self.weight).then_some(samples)
     }
 
     /// A layer of a pixel after the frame. Where it has no history and no sample of its own, the mean of the
     /// samples around stands in.
-    fn updated(
-        self,
-        side: Side,
-        moved: &Kept,
-        sums: &Sums,
-        sample: &Sample,
-        layers: &PixelLayers,
-        memory: Memory,
-    ) -> Mean {
+    fn updated(self, side: Side, moved: &Kept, sums: &Sums, sample: &Sample, layers: &PixelLayers) -> Mean {
         let mut mean = *moved.mean(side);
         let is_sampled = sample.side == side;
-        if mean.count > 0.0 && memory.is_settled {
-            // Whatever is new is noise.
-        } else if mean.count > 0.0 {
+        if mean.count > 0.0 {
             let sigmas = match side {
                 Side::Front => self.sigmas,
                 Side::Back => self.sigmas * BACK_SIGMAS,
@@ -371,7 +340,25 @@ impl Layered {
             let colour = sums.colours / sums.all_weights;
             mean = Mean { colour, weight: weight(layers, side), count: BORROWED_COUNT, variance: 0.0 };
         }
-        if is_sampled { mean.plus(sample.colour, sample.weight, memory.most_samples) } else { mean }
+        if is_sampled { mean.plus(sample.colour, sample.weight, 1.0 / self.weight) } else { mean }
+    }
+
+    /// The mean coverage after the frame, and of how many frames. It is exact in each of them, so that what
+    /// it varies by is the scene and the jitter, and a clip to the 3×3 pixels around does no harm.
+    fn coverage(self, layers: &Image<PixelLayers>, moved: &Kept, [x, y]: [u32; 2]) -> (f32, f32) {
+        let (mut sum, mut squares) = (0.0, 0.0);
+        for dy in -1..=1 {
+            for dx in -1..=1 {
+                let coverage = layers.get_clamped(i64::from(x) + dx, i64::from(y) + dy).coverage;
+                sum += coverage;
+                squares += coverage * coverage;
+            }
+        }
+        let mean = sum / 9.0;
+        let deviation = (squares / 9.0 - mean * mean).max(0.0).sqrt();
+        let clipped = moved.coverage.clamp(mean - deviation, mean + deviation);
+        let count = (moved.coverage_count + 1.0).min(1.0 / self.weight);
+        (clipped + (layers[(x, y)].coverage - clipped) / count, count)
     }
 
     /// The front over the back.
@@ -415,6 +402,19 @@ impl Layered {
         let gain = if spread > 0.0 { (1.0 - noise / spread).max(0.0) } else { 1.0 };
         mean + (own - mean) * gain
     }
+}
+
+/// With another sample of what stands still: means of at most so many samples.
+fn averaged(kept: &Kept, colour: [f32; 4], layers: &PixelLayers, most: f32) -> Kept {
+    let side = if layers.is_front { Side::Front } else { Side::Back };
+    let mean = kept.mean(side).plus(ycocga_from_rgba(colour), weight(layers, side), most);
+    let coverage_count = (kept.coverage_count + 1.0).min(most);
+    let coverage = kept.coverage + (layers.coverage - kept.coverage) / coverage_count;
+    let [front, back] = match side {
+        Side::Front => [mean, kept.back],
+        Side::Back => [kept.front, mean],
+    };
+    Kept { front, back, coverage, coverage_count, back_depth: layers.back_depth.min(FARTHEST) }
 }
 
 /// Pulls the history of the back into the ellipsoid of its samples in the 3×3 pixels around, as plain
