@@ -113,6 +113,17 @@ impl<B: Backend> Lab<'_, B> {
 
     /// Plays a clip with its methods, each with all seeds, and the reference.
     pub(super) fn play(&self, take: &Take<'_>) -> Result<Played> {
+        self.play_with(take, &mut self.truth(take))
+    }
+
+    /// What the methods of a clip are held against, where it asks for that: clips that differ in their
+    /// anti-aliasing alone share it.
+    pub(super) fn truth(&self, take: &Take<'_>) -> Option<Truth> {
+        take.truth_samples.map(|samples| Truth::new(self.settings(take.start_secs), samples))
+    }
+
+    /// The same with a [`Self::truth`] that other clips share.
+    pub(super) fn play_with(&self, take: &Take<'_>, truth: &mut Option<Truth>) -> Result<Played> {
         let methods = take.methods.iter().map(|method| method.parse()).collect::<Result<Vec<_>, _>>()?;
         let methods = with_reference(methods)?;
         let mut stage = self.open(take.scene, take.camera, take.alpha)?;
@@ -124,7 +135,6 @@ impl<B: Backend> Lab<'_, B> {
         };
         self.progress.name(take.scene.split(':').next().unwrap_or_default());
         let seeds: Vec<u32> = self.seeds().collect();
-        let mut truth = take.truth_samples.map(|samples| Truth::new(clip.settings, samples));
         let measured =
             clip.play_seeds(self.backend, &mut stage, &methods, &seeds, truth.as_mut(), self.progress)?;
         Ok(Played { command: take.command(self.size), measured })

@@ -99,8 +99,10 @@ pub(super) fn layered<B: Backend>(lab: &Lab<'_, B>) -> Result<Findings> {
             methods: METHODS,
             truth_samples: Some(TRUTH_SAMPLES),
         };
-        let under_taa = lab.play(&take)?;
-        let under_layers = lab.play(&Take { antialiasing: Antialiasing::LAYERED, ..take })?;
+        let mut truth = lab.truth(&take);
+        let under_taa = lab.play_with(&take, &mut truth)?;
+        let take = Take { antialiasing: Antialiasing::LAYERED, ..take };
+        let under_layers = lab.play_with(&take, &mut truth)?;
         let (claims, way) = judge(scene, &under_taa, &under_layers);
         findings.claims.extend(claims);
         for (ways, way) in ways.iter_mut().zip(way) {
