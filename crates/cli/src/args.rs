@@ -201,6 +201,8 @@ pub(crate) struct ExperimentsArguments {
     /// give as many as you like.
     #[arg(long = "file", value_name = "FILE")]
     pub(crate) files: Vec<String>,
+    #[command(flatten)]
+    pub(crate) load: LoadArguments,
     /// Seed of the dithering.
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub(crate) seed: u32,
@@ -226,6 +228,8 @@ pub(crate) struct VerifyArguments {
     /// Set the opacity of every material of these scenes, 0 to 1.
     #[arg(long, value_name = "A", value_parser = unit)]
     pub(crate) alpha: Option<f32>,
+    #[command(flatten)]
+    pub(crate) load: LoadArguments,
     /// File for the figures, - for stdout in place of the table.
     #[arg(long, value_name = "FILE")]
     pub(crate) json: Option<PathBuf>,
@@ -253,6 +257,16 @@ pub(crate) struct SceneArguments {
     /// Set the opacity of every material, 0 to 1.
     #[arg(long, value_name = "A", value_parser = unit)]
     pub(crate) alpha: Option<f32>,
+    #[command(flatten)]
+    pub(crate) load: LoadArguments,
+}
+
+/// How a scene file is read.
+#[derive(Args, Clone, Debug, Default)]
+pub(crate) struct LoadArguments {
+    /// A folder besides the file's own that the files it refers to may lie in; give as many as you like.
+    #[arg(long = "allow-folder", value_name = "DIR")]
+    pub(crate) allowed_folders: Vec<PathBuf>,
 }
 
 /// Which frames are made of it.

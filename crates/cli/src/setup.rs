@@ -7,10 +7,10 @@ use rayon::ThreadPoolBuilder;
 use sheer_image::Metadata;
 use sheer_lab::file_name_from;
 use sheer_render::{Antialiasing, Backend, Method, RenderError, Settings, Shadow};
-use sheer_scene::{CameraChoice, Scene};
+use sheer_scene::{CameraChoice, LoadOptions, Scene};
 
 use crate::{
-    args::{FrameArguments, LightArguments, MachineArguments, SceneArguments, Size},
+    args::{FrameArguments, LightArguments, LoadArguments, MachineArguments, SceneArguments, Size},
     console::Console,
     report::json::Run,
     version::{COMMIT, VERSION},
@@ -47,6 +47,13 @@ impl LightArguments {
     }
 }
 
+impl LoadArguments {
+    /// The library's options.
+    pub(crate) fn options(&self) -> LoadOptions {
+        LoadOptions { allowed_folders: self.allowed_folders.clone() }
+    }
+}
+
 /// An opened scene.
 #[derive(Debug)]
 pub(crate) struct Opened<S> {
@@ -68,7 +75,7 @@ impl SceneArguments {
 
     /// Loads the scene.
     pub(crate) fn load(&self, console: Console) -> anyhow::Result<Arc<Scene>> {
-        let loaded = sheer_gallery::open(&self.text)?;
+        let loaded = sheer_gallery::open_with(&self.text, &self.load.options())?;
         for warning in &loaded.warnings {
             console.warn(format_args!("{}: {warning}", self.text));
         }
@@ -115,7 +122,8 @@ pub(crate) fn metadata(
 
 /// How figures of many scenes came about.
 pub(crate) fn describe_many(backend: &impl Backend, settings: &Settings) -> Run {
-    let scene = SceneArguments { text: "many".to_owned(), camera: None, alpha: None };
+    let scene =
+        SceneArguments { text: "many".to_owned(), camera: None, alpha: None, load: LoadArguments::default() };
     describe_scene(backend, &scene, String::new(), rayon::current_num_threads(), settings, 0)
 }
 

@@ -92,6 +92,12 @@ pub fn catalogue() -> &'static [BuiltinInfo] {
     ]
 }
 
+/// Whether a text begins with the name of a built-in scene, whatever its parameters are.
+pub(crate) fn is_builtin(text: &str) -> bool {
+    let (name, _) = split_name(text);
+    catalogue().iter().any(|info| info.name == name)
+}
+
 /// Builds a scene from `name` or `name:key=value,key=value`.
 ///
 /// # Errors

@@ -24,6 +24,6 @@ mod shape;
 pub use crate::{
     catalogue::{BuiltinInfo, build, catalogue},
     error::GalleryError,
-    open::open,
+    open::{open, open_with},
     scene::layers::{LayerColours, layers_closed_form},
 };

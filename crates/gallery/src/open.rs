@@ -1,20 +1,33 @@
 //! One door for built-in scenes and files.
 
-use sheer_scene::{Loaded, SceneError};
+use sheer_scene::{LoadOptions, Loaded, SceneError};
 
-use crate::{catalogue::build, error::GalleryError};
+use crate::{
+    catalogue::{build, is_builtin},
+    error::GalleryError,
+};
 
-/// Opens a scene: a built-in by name, with parameters as `layers:count=8,alpha=0.2`, or a `.gltf` or `.glb`
-/// file by path.
+/// Opens a scene, files with the default [`LoadOptions`].
+///
+/// # Errors
+/// As [`open_with`].
+pub fn open(text: &str) -> Result<Loaded, GalleryError> {
+    open_with(text, &LoadOptions::default())
+}
+
+/// Opens a scene: a built-in by name, with parameters as `layers:count=8,alpha=0.2`, or a file by path. Where
+/// a file is called as a built-in scene is, the scene is meant.
 ///
 /// # Errors
 /// [`GalleryError`] says what is wrong, where, and what to do.
-pub fn open(text: &str) -> Result<Loaded, GalleryError> {
-    match sheer_scene::open(text) {
-        // What has no extension of a file is the text of a built-in scene.
-        Err(SceneError::UnknownFormat { .. }) => Ok(Loaded { scene: build(text)?, warnings: Vec::new() }),
-        loaded => Ok(loaded?),
+pub fn open_with(text: &str, options: &LoadOptions) -> Result<Loaded, GalleryError> {
+    if is_builtin(text) {
+        return Ok(Loaded { scene: build(text)?, warnings: Vec::new() });
     }
+    sheer_scene::open_with(text, options).map_err(|error| match error {
+        SceneError::UnknownFormat { .. } => GalleryError::Unknown(text.to_owned()),
+        other => other.into(),
+    })
 }
 
 #[cfg(test)]

@@ -31,6 +31,16 @@ pub enum SceneError {
         /// What is wrong and what to do.
         problem: String,
     },
+    /// The file asks for more than it may take of the machine.
+    #[error("{path}: {place}: {problem}")]
+    Limit {
+        /// The file that is read.
+        path: PathBuf,
+        /// Node, mesh, accessor, image… with index and name.
+        place: String,
+        /// What is too much and what to do.
+        problem: String,
+    },
     /// A scene put together by a program is not valid.
     #[error("scene '{scene}': {place}: {problem}")]
     Invalid {

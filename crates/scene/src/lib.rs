@@ -25,7 +25,7 @@ pub use crate::{
         OPAQUE, Object, SINGLE_SIDED, SLOT, StaticCounts, Surface, TINTED, TriangleOpacity,
     },
     keys::Interpolate,
-    load::{LoadWarning, Loaded, open},
+    load::{LoadOptions, LoadWarning, Loaded, open, open_with},
     model::SceneParts,
     scene::{CameraChoice, Scene},
     texture::{LEAST_GAP, MOST_PROBES, MipChain, NEXT_LEVEL, decode_tables},

@@ -10,7 +10,7 @@ use sheer_lab::{
 use sheer_render::{Backend, Background};
 
 use crate::{
-    args::{CalibrateArguments, DEFAULT_SIZE, SceneArguments},
+    args::{CalibrateArguments, DEFAULT_SIZE, LoadArguments, SceneArguments},
     backend::Task,
     failure::Misuse,
     output::{self, TextOutput},
@@ -45,7 +45,12 @@ fn calibrate<B: Backend>(arguments: &CalibrateArguments, backend: &B) -> anyhow:
     let html = arguments.html.as_deref().map(TextOutput::open).transpose()?;
     let file = arguments.output.as_deref().map(TextOutput::open).transpose()?;
 
-    let scene = SceneArguments { text: "calibration".to_owned(), camera: None, alpha: None };
+    let scene = SceneArguments {
+        text: "calibration".to_owned(),
+        camera: None,
+        alpha: None,
+        load: LoadArguments::default(),
+    };
     let mut opened = scene.open(backend, arguments.machine, console)?;
     let mut pipeline = backend.pipeline(method, *antialiasing, settings)?;
     backend.notes(&pipeline).iter().for_each(|note| console.warn(note));

@@ -39,6 +39,7 @@ fn experiment<B: Backend + 'static>(arguments: &ExperimentsArguments, backend: &
     let folder = arguments.output.as_path();
     output::open_folder(folder)?;
     let bar = console.counter();
+    let load = arguments.load.options();
     let lab = Lab {
         backend,
         size: arguments.size.unwrap_or(DEFAULT_EXPERIMENT_SIZE).0,
@@ -47,6 +48,7 @@ fn experiment<B: Backend + 'static>(arguments: &ExperimentsArguments, backend: &
         threads: arguments.machine.threads,
         progress: &bar,
         files: &arguments.files,
+        load: &load,
     };
     let mut sections = Vec::new();
     for experiment in chosen {

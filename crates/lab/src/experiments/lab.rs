@@ -4,7 +4,7 @@ use std::{borrow::Cow, sync::Arc};
 
 use sheer_image::{Planes, ToneCurve, display};
 use sheer_render::{Antialiasing, Backend, Clock, Method, Moment, Settings};
-use sheer_scene::CameraChoice;
+use sheer_scene::{CameraChoice, LoadOptions};
 
 use super::{
     claims::Sample,
@@ -32,6 +32,8 @@ pub struct Lab<'a, B: Backend> {
     pub progress: &'a dyn Progress,
     /// Scene files of the user's own.
     pub files: &'a [String],
+    /// How they are read.
+    pub load: &'a LoadOptions,
 }
 
 /// A clip to be played.
@@ -74,7 +76,7 @@ impl<B: Backend> Lab<'_, B> {
             name => CameraChoice::Named(name.to_owned()),
         };
         // What a file asks for in vain was said when the user rendered it; here it would drown the findings.
-        let loaded = sheer_gallery::open(scene)?.scene;
+        let loaded = sheer_gallery::open_with(scene, self.load)?.scene;
         let loaded = match alpha {
             Some(alpha) => loaded.with_alpha(alpha),
             None => loaded,

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 use sheer_image::{Image, Metadata, encode_png};
-use sheer_scene::{Loaded, SceneError, load::read_gltf};
+use sheer_scene::{LoadOptions, Loaded, SceneError, load::read_gltf};
 
 /// A file in the making.
 pub(crate) struct Builder {
@@ -92,7 +92,7 @@ impl Builder {
 
     /// As a GLB container, loaded.
     pub(crate) fn load(&self) -> Result<Loaded, SceneError> {
-        read_gltf(&self.glb(), Path::new("made/test.glb"))
+        read_gltf(&self.glb(), Path::new("made/test.glb"), &LoadOptions::default())
     }
 
     /// The buffer as a file of its own, and the JSON that refers to it.

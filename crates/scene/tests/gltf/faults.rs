@@ -3,7 +3,7 @@
 use std::{fs, path::Path};
 
 use serde_json::json;
-use sheer_scene::{SceneError, load::read_gltf, open};
+use sheer_scene::{LoadOptions, SceneError, load::read_gltf, open, open_with};
 
 use crate::builder::Builder;
 
@@ -12,7 +12,11 @@ fn refused(spoil: impl FnOnce(&mut Builder), place: &str, problems: &[&str]) {
     let mut builder = Builder::triangle();
     spoil(&mut builder);
     let error = builder.load().expect_err(place);
-    let SceneError::File { path, place: found_place, problem } = &error else { panic!("{error}") };
+    let (SceneError::File { path, place: found_place, problem }
+    | SceneError::Limit { path, place: found_place, problem }) = &error
+    else {
+        panic!("{error}")
+    };
     assert_eq!(path, Path::new("made/test.glb"));
     assert!(found_place.contains(place), "{error}");
     for part in problems {
@@ -57,9 +61,49 @@ fn resources_outside_the_folder_are_refused() {
         ["../secret.bin", "/etc/passwd", "http://example.org/a.bin", "a/%2e%2e/%2e%2e/b.bin", "file:///a"]
     {
         let (json, _) = Builder::triangle().separate(uri);
-        let error = read_gltf(&json, Path::new("made/test.gltf")).unwrap_err().to_string();
+        let error =
+            read_gltf(&json, Path::new("made/test.gltf"), &LoadOptions::default()).unwrap_err().to_string();
         assert!(error.contains("made/test.gltf: buffer 0: "), "{error}");
         assert!(error.contains("move it there") || error.contains("put it there"), "{error}");
+    }
+}
+
+#[test]
+fn resources_in_allowed_folders_are_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let [models, shared] = ["models", "shared"].map(|name| folder.path().join(name));
+    fs::create_dir(&models).unwrap();
+    fs::create_dir(&shared).unwrap();
+    let builder = Builder::triangle();
+    let (json, binary) = builder.separate("../shared/data.bin");
+    fs::write(shared.join("data.bin"), binary).unwrap();
+    let file = models.join("scene.gltf");
+    fs::write(&file, json).unwrap();
+
+    let error = open(&file).unwrap_err().to_string();
+    assert!(error.contains(&format!("--allow-folder '{}'", shared.display())), "{error}");
+    let allowing = |folder: &Path| LoadOptions { allowed_folders: vec![folder.to_owned()] };
+    assert!(open_with(&file, &allowing(&models)).is_err());
+    for allowed in [shared.as_path(), folder.path()] {
+        assert_eq!(open_with(&file, &allowing(allowed)).unwrap().scene.parts().meshes.len(), 1);
+    }
+}
+
+#[test]
+fn what_is_gltf_inside_opens_under_any_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let builder = Builder::triangle();
+    let (json, binary) = builder.separate("data.bin");
+    fs::write(folder.path().join("data.bin"), binary).unwrap();
+    for (name, bytes) in [("avatar.vrm", builder.glb()), ("upload", builder.glb()), ("a.json", json)] {
+        let file = folder.path().join(name);
+        fs::write(&file, bytes).unwrap();
+        assert_eq!(open(&file).unwrap().scene.parts().meshes.len(), 1, "{name}");
+    }
+    let other = folder.path().join("picture.png");
+    fs::write(&other, b"\x89PNG\r\n\x1A\n").unwrap();
+    for no_scene in [other.as_path(), folder.path()] {
+        assert!(matches!(open(no_scene), Err(SceneError::UnknownFormat { .. })));
     }
 }
 
@@ -89,9 +133,12 @@ fn missing_and_short_files_are_named() {
 fn a_glb_cut_short_is_an_error_at_every_length() {
     let glb = Builder::triangle().glb();
     for length in 0..glb.len() {
-        assert!(read_gltf(&glb[..length], Path::new("cut.glb")).is_err(), "{length}");
+        assert!(
+            read_gltf(&glb[..length], Path::new("cut.glb"), &LoadOptions::default()).is_err(),
+            "{length}"
+        );
     }
-    read_gltf(&glb, Path::new("cut.glb")).unwrap();
+    read_gltf(&glb, Path::new("cut.glb"), &LoadOptions::default()).unwrap();
 }
 
 #[test]

@@ -4,7 +4,7 @@ use std::{fs, path::Path};
 
 use serde_json::{Value, json};
 use sheer_core::hash::Pcg32;
-use sheer_scene::load::read_gltf;
+use sheer_scene::{LoadOptions, load::read_gltf};
 
 use crate::{assets, builder::glb};
 
@@ -114,9 +114,9 @@ fn no_damage_makes_the_loader_panic() {
         let (json, binary) = seed(&path);
         let whole = container(&json, &binary);
         // What is not damaged loads.
-        read_gltf(&whole, &path).unwrap_or_else(|error| panic!("{error}"));
+        read_gltf(&whole, &path, &LoadOptions::default()).unwrap_or_else(|error| panic!("{error}"));
 
-        let mut try_to_load = |bytes: &[u8]| match read_gltf(bytes, &path) {
+        let mut try_to_load = |bytes: &[u8]| match read_gltf(bytes, &path, &LoadOptions::default()) {
             Ok(_) => loaded += 1,
             Err(_) => refused += 1,
         };

@@ -13,11 +13,15 @@ use super::{
     resource::{self, UriError},
     schema::{Asset, Index, Root},
 };
-use crate::{SceneError, load::LoadWarning};
+use crate::{
+    SceneError,
+    load::{LoadOptions, LoadWarning},
+};
 
 /// The file while it is being read. Buffers are read when first asked for.
 pub(super) struct Document<'a> {
     pub root: Root,
+    pub options: &'a LoadOptions,
     path: &'a Path,
     binary_chunk: Option<&'a [u8]>,
     buffers: Vec<OnceCell<Vec<u8>>>,
@@ -30,7 +34,11 @@ pub(super) struct Document<'a> {
 }
 
 impl<'a> Document<'a> {
-    pub(super) fn parse(bytes: &'a [u8], path: &'a Path) -> Result<Self, SceneError> {
+    pub(super) fn parse(
+        bytes: &'a [u8],
+        path: &'a Path,
+        options: &'a LoadOptions,
+    ) -> Result<Self, SceneError> {
         let fault = |place: &str, problem: String| SceneError::File {
             path: path.to_owned(),
             place: place.to_owned(),
@@ -51,6 +59,7 @@ impl<'a> Document<'a> {
         let (buffer_count, view_count) = (root.buffers.len(), root.buffer_views.len());
         let document = Self {
             root,
+            options,
             path,
             binary_chunk,
             buffers: (0..buffer_count).map(|_| OnceCell::new()).collect(),
@@ -69,6 +78,11 @@ impl<'a> Document<'a> {
     /// An error at a place in this file.
     pub(super) fn fault(&self, place: impl Into<String>, problem: impl Into<String>) -> SceneError {
         SceneError::File { path: self.path.to_owned(), place: place.into(), problem: problem.into() }
+    }
+
+    /// An error at a place that asks for more than the file may take.
+    pub(super) fn limit(&self, place: impl Into<String>, problem: impl Into<String>) -> SceneError {
+        SceneError::Limit { path: self.path.to_owned(), place: place.into(), problem: problem.into() }
     }
 
     /// Adds a warning unless the same one is there already.
@@ -111,7 +125,7 @@ impl<'a> Document<'a> {
             let problem = format!(
                 "{count} elements of {bytes_each} bytes are more than a file of this size may hold; check the count, or split the file"
             );
-            self.fault(place, problem)
+            self.limit(place, problem)
         })?;
         self.bytes_left.set(left);
         Ok(())
@@ -120,10 +134,11 @@ impl<'a> Document<'a> {
     /// The bytes of a URI, which count as bytes read.
     pub(super) fn read_uri(&self, uri: &str, place: &str) -> Result<Vec<u8>, SceneError> {
         let folder = self.path.parent().unwrap_or(Path::new(""));
-        let bytes = resource::read_uri(uri, folder).map_err(|error| match error {
-            UriError::Refused(problem) => self.fault(place, problem),
-            UriError::Unreadable(error) => error,
-        })?;
+        let bytes =
+            resource::read_uri(uri, folder, &self.options.allowed_folders).map_err(|error| match error {
+                UriError::Refused(problem) => self.fault(place, problem),
+                UriError::Unreadable(error) => error,
+            })?;
         self.bytes_left.set(self.bytes_left.get() + BYTES_PER_INPUT_BYTE * bytes.len() as u64);
         Ok(bytes)
     }

@@ -15,7 +15,7 @@ use std::path::Path;
 use crate::{
     SceneError,
     environment::Environment,
-    load::{LoadWarning, Loaded},
+    load::{LoadOptions, LoadWarning, Loaded},
     model::SceneParts,
     scene::Scene,
 };
@@ -89,14 +89,19 @@ const IGNORED: &[&str] = &[
 const DIM: f32 = 0.15;
 
 /// Reads a file, and what it refers to beside it.
-pub(super) fn load(path: &Path) -> Result<Loaded, SceneError> {
+pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<Loaded, SceneError> {
     let bytes = resource::read_file(path)?;
-    load_slice(&bytes, path)
+    load_slice(&bytes, path, options)
+}
+
+/// Whether a file that begins with these bytes can be glTF: a container, or an object of JSON.
+pub(super) fn begins_like_gltf(bytes: &[u8]) -> bool {
+    resource::is_container(bytes) || bytes.trim_ascii_start().starts_with(b"{")
 }
 
 /// Loads the bytes of a file that lies, or could lie, at `path`.
-pub(super) fn load_slice(bytes: &[u8], path: &Path) -> Result<Loaded, SceneError> {
-    let document = Document::parse(bytes, path)?;
+pub(super) fn load_slice(bytes: &[u8], path: &Path, options: &LoadOptions) -> Result<Loaded, SceneError> {
+    let document = Document::parse(bytes, path, options)?;
     check_extensions(&document)?;
 
     let mut parts = SceneParts {

@@ -257,7 +257,7 @@ impl Hierarchy {
                 let id = next_id;
                 next_id = next_id
                     .checked_add(1)
-                    .ok_or_else(|| document.fault(&node_place, "there are more than 2³² objects"))?;
+                    .ok_or_else(|| document.limit(&node_place, "there are more than 2³² objects"))?;
                 for primitive in &primitives {
                     let mesh = &parts.meshes[primitive.mesh as usize];
                     // Both what is drawn and what is stored is bounded, since a file can ask for copies
@@ -267,7 +267,7 @@ impl Hierarchy {
                         let problem = format!(
                             "with its instances the file draws more than {MAX_DRAWN_TRIANGLES} triangles; reduce or split it"
                         );
-                        return Err(document.fault(&node_place, problem));
+                        return Err(document.limit(&node_place, problem));
                     }
                     let target_count = mesh.morph_targets.len();
                     document.charge(

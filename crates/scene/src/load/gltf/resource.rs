@@ -31,9 +31,14 @@ pub(super) fn read_file(path: &Path) -> Result<Vec<u8>, SceneError> {
     read().map_err(|source| SceneError::Read { path: path.to_owned(), source })
 }
 
+/// Whether the bytes are a GLB container.
+pub(super) fn is_container(bytes: &[u8]) -> bool {
+    bytes.starts_with(&GLB_MAGIC)
+}
+
 /// The JSON text and the binary chunk, if there is one.
 pub(super) fn split_container(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), String> {
-    if !bytes.starts_with(&GLB_MAGIC) {
+    if !is_container(bytes) {
         return Ok((bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes), None));
     }
     let word =
@@ -76,17 +81,17 @@ fn begins_chunk(bytes: &[u8], at: usize) -> bool {
     rest.strip_prefix(&GLB_CHUNK_BIN).is_some_and(|data| data.len() >= u32::from_le_bytes(*length) as usize)
 }
 
-/// The bytes a URI stands for: inline data, or a file below `folder`. The error says what is wrong and what
-/// to do.
-pub(super) fn read_uri(uri: &str, folder: &Path) -> Result<Vec<u8>, UriError> {
+/// The bytes a URI stands for: inline data, or a file below `folder` or one of the `allowed` folders. The
+/// error says what is wrong and what to do.
+pub(super) fn read_uri(uri: &str, folder: &Path, allowed: &[PathBuf]) -> Result<Vec<u8>, UriError> {
     if uri.get(..5).is_some_and(|scheme| scheme.eq_ignore_ascii_case("data:")) {
         return decode_data_uri(&uri[5..]).map_err(UriError::Refused);
     }
-    let path = path_below(uri, folder).map_err(UriError::Refused)?;
+    let path = path_of(uri, folder, allowed).map_err(UriError::Refused)?;
     match read_file(&path) {
         Err(SceneError::Read { source, .. }) if source.kind() == io::ErrorKind::NotFound => {
             // Some exporters write names with a literal percent sign.
-            let literal = path_below(&uri.replace('%', "%25"), folder).map_err(UriError::Refused)?;
+            let literal = path_of(&uri.replace('%', "%25"), folder, allowed).map_err(UriError::Refused)?;
             read_file(&literal).map_err(|_| UriError::Unreadable(SceneError::Read { path, source }))
         }
         result => result.map_err(UriError::Unreadable),
@@ -101,9 +106,11 @@ pub(super) enum UriError {
     Unreadable(SceneError),
 }
 
-fn path_below(uri: &str, folder: &Path) -> Result<PathBuf, String> {
+/// The file that a relative or absolute URI means, if it may be read.
+fn path_of(uri: &str, folder: &Path, allowed: &[PathBuf]) -> Result<PathBuf, String> {
     let shown = shorten(uri);
-    let has_scheme = uri.split_once(':').is_some_and(|(scheme, _)| {
+    let local = uri.strip_prefix("file://").unwrap_or(uri);
+    let has_scheme = local.split_once(':').is_some_and(|(scheme, _)| {
         scheme.chars().all(|letter| letter.is_ascii_alphanumeric() || "+-.".contains(letter))
     });
     if has_scheme {
@@ -111,17 +118,26 @@ fn path_below(uri: &str, folder: &Path) -> Result<PathBuf, String> {
             "'{shown}' is not beside the file; fetch it, put it there, and refer to it by name"
         ));
     }
-    let decoded = decode_percent(uri.as_bytes());
+    let decoded = decode_percent(local.as_bytes());
     let text = String::from_utf8(decoded.into_owned())
         .map_err(|_| format!("'{shown}' is not a file name in UTF-8"))?;
+    if text.is_empty() || text.contains('\0') {
+        return Err(format!("'{shown}' is no file name; correct it and export the file again"));
+    }
     // Windows exporters write backslashes.
     let text = text.replace('\\', "/");
-    let inside = (!text.contains('\0')).then(|| inside_path(Path::new(&text))).flatten();
-    inside.map(|relative| folder.join(relative)).ok_or_else(|| {
-        format!(
-            "'{shown}' lies outside the folder of the file; move it there and refer to it by a relative name"
-        )
-    })
+    if let Some(inside) = inside_path(Path::new(&text)) {
+        return Ok(folder.join(inside));
+    }
+    let outside = without_detours(&folder.join(&text));
+    if allowed.iter().any(|allowed| lies_in(&outside, allowed)) {
+        return Ok(outside);
+    }
+    let home = outside.parent().unwrap_or(&outside).display();
+    Err(format!(
+        "'{shown}' lies outside the folder of the file; move it there and refer to it by a relative name, or allow \
+         its folder with --allow-folder '{home}'"
+    ))
 }
 
 /// A relative path without `.` and `..`; none if it is empty, absolute, or leaves the folder on its way.
@@ -136,6 +152,32 @@ fn inside_path(path: &Path) -> Option<PathBuf> {
         }
     }
     (!inside.as_os_str().is_empty()).then_some(inside)
+}
+
+/// An absolute path without `.` and `..`, by its text alone, so that what is opened is what was checked.
+fn without_detours(path: &Path) -> PathBuf {
+    let absolute = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+    let mut plain = PathBuf::new();
+    for component in absolute.components() {
+        match component {
+            Component::CurDir => {}
+            Component::ParentDir => {
+                plain.pop();
+            }
+            other => plain.push(other),
+        }
+    }
+    plain
+}
+
+/// Whether a file lies in a folder, by their names or by where the file system says they are.
+fn lies_in(file: &Path, folder: &Path) -> bool {
+    let by_name = file.starts_with(without_detours(folder));
+    by_name
+        || match (file.canonicalize(), folder.canonicalize()) {
+            (Ok(file), Ok(folder)) => file.starts_with(folder),
+            _ => false,
+        }
 }
 
 /// `mediatype;base64,data` or `mediatype,percent-encoded` (RFC 2397).
@@ -236,9 +278,10 @@ mod tests {
     #[test]
     fn files_stay_below_the_folder() {
         let folder = Path::new("scenes");
-        assert_eq!(path_below("Normal%20Map.png", folder).unwrap(), Path::new("scenes/Normal Map.png"));
-        assert_eq!(path_below("./textures\\a.png", folder).unwrap(), Path::new("scenes/textures/a.png"));
-        assert_eq!(path_below("sub/../a.png", folder).unwrap(), Path::new("scenes/a.png"));
+        let path = |uri| path_of(uri, folder, &[]);
+        assert_eq!(path("Normal%20Map.png").unwrap(), Path::new("scenes/Normal Map.png"));
+        assert_eq!(path("./textures\\a.png").unwrap(), Path::new("scenes/textures/a.png"));
+        assert_eq!(path("sub/../a.png").unwrap(), Path::new("scenes/a.png"));
         for outside in [
             "../a.bin",
             "a/../../b",
@@ -249,11 +292,31 @@ mod tests {
             "%2e%2e/a",
             "..\\a",
             "file:a",
+            "file:///etc/passwd",
             "a%00b",
             "",
         ] {
-            assert!(path_below(outside, folder).is_err(), "{outside}");
+            assert!(path(outside).is_err(), "{outside}");
         }
+    }
+
+    #[test]
+    fn other_folders_are_read_where_they_are_allowed() {
+        let folder = Path::new("/models/lamp");
+        let allowed = [PathBuf::from("/models/../textures/./glass")];
+        let path = |uri| path_of(uri, folder, &allowed);
+        let red = Path::new("/textures/glass/red.png");
+        for uri in
+            ["../../textures/glass/red.png", "/textures/glass/red.png", "file:///textures/glass/x/../red.png"]
+        {
+            assert_eq!(path(uri).unwrap(), red, "{uri}");
+        }
+        assert_eq!(path("own.png").unwrap(), Path::new("/models/lamp/own.png"));
+        for outside in ["../../textures/glassy/a.png", "/textures/glass/../a.png", "../a.png", "http://x/y"] {
+            assert!(path(outside).is_err(), "{outside}");
+        }
+        let problem = path("../other/a.png").unwrap_err();
+        assert!(problem.ends_with("--allow-folder '/models/other'"), "{problem}");
     }
 
     #[test]
