@@ -20,7 +20,7 @@ use sheer_image::Planes;
 use sheer_render::{
     Antialiasing, Clock, Counters, Method, Settings, StepTime, Timings,
     contract::{Alignment, Hybrid, Raster},
-    temporal::{jitter, layers},
+    temporal::{jitter, of_run},
 };
 use wgpu::{BufferUsages, util::DeviceExt};
 
@@ -114,12 +114,6 @@ impl GpuPipeline {
         antialiasing: Antialiasing,
         settings: Settings,
     ) -> Result<Self, GpuError> {
-        if settings.raw {
-            return Err(GpuError::Unsupported {
-                what: "frames as they were rendered (raw) are not to be had from the GPU".to_owned(),
-                instead: "use --backend cpu".to_owned(),
-            });
-        }
         let (path, notes) = choose_path(gpu, choice, &method)?;
         let resources = Resources::new(gpu, path, &method, antialiasing, &settings)?;
         Ok(Self {
@@ -268,7 +262,7 @@ impl Resources {
         let device = gpu.device();
         // What can be refused is, before anything is made.
         let maps = MapSettings::of(&settings.shadow)?;
-        let split = layers(antialiasing);
+        let (added_up, split) = of_run(settings, antialiasing);
         let mut more: Vec<_> = split.map(|_| Layouts::layers_entry()).into_iter().collect();
         more.extend(maps.iter().flat_map(|_| ShadowMaps::layout_entries(ShadowMaps::READERS, true)));
         let layouts = Layouts::new(&device, &GpuStage::layout_entries(gpu.tracer()), &more);
@@ -317,7 +311,7 @@ impl Resources {
             .map(|_| OneLayer::new(gpu, &linker, &layouts))
             .transpose()?;
         // What becomes of the pixels, and what they take.
-        let history = History::new(gpu, antialiasing, settings.size)?;
+        let history = History::new(gpu, added_up, settings.size)?;
         let timer = Timer::new(&device, &gpu.queue(), MOST_PASSES);
         gpu.check("what a method needs")?;
         Ok(Self {

@@ -10,9 +10,9 @@ use crate::{
     cpu::Transparency,
     error::RenderError,
     method::Method,
-    settings::{FrameSettings, LayerSplit, Settings},
+    settings::{FrameSettings, Settings},
     stage::Stage,
-    temporal::{Antialiasing, History, jitter, layers},
+    temporal::{self, Antialiasing, History, jitter},
 };
 
 /// A method and its accumulated history. `M`: a [`Method`], or one of the caller's own.
@@ -41,7 +41,7 @@ impl<M: Transparency> Pipeline<M> {
     /// # Errors
     /// [`RenderError::Image`] if the size is zero or too much for the memory.
     pub fn with_own(method: M, antialiasing: Antialiasing, settings: Settings) -> Result<Self, RenderError> {
-        let added_up = if settings.raw { Antialiasing::NONE } else { antialiasing };
+        let (added_up, _) = temporal::of_run(&settings, antialiasing);
         let history = History::new(added_up, settings.size)?;
         Ok(Self { method, antialiasing, settings, history, steps: Vec::new() })
     }
@@ -66,7 +66,7 @@ impl<M: Transparency> Pipeline<M> {
     pub fn render(&mut self, stage: &Stage, index: u32) -> Result<(Counters, Timings), RenderError> {
         let frame = self.settings.first_frame + index;
         let jitter = jitter(self.antialiasing, frame);
-        let layers = layers(self.antialiasing).or(self.settings.raw.then_some(LayerSplit::AS_SEEN));
+        let (_, layers) = temporal::of_run(&self.settings, self.antialiasing);
         let settings =
             FrameSettings { run: self.settings, frame, jitter, layers, is_still: stage.frame().is_still() };
         let rendered = self.method.render(stage, &settings)?;

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use sheer_image::{read_exr, read_png};
+use sheer_image::{Planes, read_exr, read_png};
 use sheer_metrics::rms;
 
 use crate::run::{json, sheer, succeed};
@@ -50,11 +50,47 @@ fn what_is_asked_for_wrongly_is_wrong_use_on_a_gpu_too() {
 }
 
 #[test]
-fn raw_frames_are_refused_with_what_to_do_instead() {
+fn raw_frames_are_the_processors_samples_with_layers() {
     let folder = tempfile::tempdir().unwrap();
-    let outcome = sheer(folder.path(), "render layers --size 8x8 --raw --backend gpu -o a.exr");
-    assert_eq!(outcome.code, Some(1), "{outcome:?}");
-    assert!(outcome.stderr.contains("raw") && outcome.stderr.contains("--backend cpu"), "{outcome:?}");
+    let planes = |name: &str| read_exr(&folder.path().join(name)).unwrap();
+    let raw = "render layers:count=3,colours=red-green,background=1 -m std --camera orbit --size 16x9 --raw";
+    for (backend, frames) in [("cpu", "--first-frame 4 --frames 1"), ("gpu:ray", "--frames 5")] {
+        let file = backend.replace(':', "-");
+        succeed(folder.path(), &format!("{raw} {frames} --backend {backend} -o {file}-####.exr"));
+    }
+    let [cpu, gpu, before] = ["cpu-0004.exr", "gpu-ray-0004.exr", "gpu-ray-0003.exr"].map(planes);
+    let colour = |planes: &Planes| planes.colour.par_map(|&[r, g, b, _]| [r, g, b]);
+    // One sample of three layers: rounding. Frames that were added up, or another frame's, are further apart by
+    // far.
+    assert!(rms(&colour(&cpu), &colour(&gpu)).unwrap() < 1e-5);
+    assert!(rms(&colour(&gpu), &colour(&before)).unwrap() > 1e-2);
+    let layers = |planes: Planes| planes.layers.expect("raw frames have layers").into_vec();
+    for (cpu, gpu) in layers(cpu).iter().zip(layers(gpu)) {
+        assert_eq!(cpu.is_front, gpu.is_front);
+        assert!((cpu.coverage - gpu.coverage).abs() < 1e-6, "{cpu:?} {gpu:?}");
+        let motions = [(cpu.front_motion, gpu.front_motion), (cpu.back_motion, gpu.back_motion)];
+        assert!(
+            motions.iter().all(|(a, b)| (0..2).all(|axis| (a[axis] - b[axis]).abs() < 1e-3)),
+            "{cpu:?} {gpu:?}"
+        );
+    }
+}
+
+#[test]
+fn the_truth_is_to_be_had_from_the_device() {
+    let folder = tempfile::tempdir().unwrap();
+    let compare = |backend: &str| {
+        let arguments = "compare layers:count=3 -m baseline -m std -a taa --size 16x9 --frames 4";
+        let truth = "--reference truth:samples=4";
+        succeed(folder.path(), &format!("{arguments} {truth} --backend {backend} -o out"));
+        json(&fs::read_to_string(folder.path().join("out/report.json")).unwrap())
+    };
+    let [cpu, gpu] = ["cpu", "gpu:ray"].map(compare);
+    for (cpu, gpu) in cpu["rows"].as_array().unwrap().iter().zip(gpu["rows"].as_array().unwrap()) {
+        assert_eq!([&cpu["method"], &cpu["reference"]], [&gpu["method"], &gpu["reference"]]);
+        let error = |row: &serde_json::Value| row["rms"].as_f64().unwrap();
+        assert!((error(cpu) - error(gpu)).abs() < 1e-4, "{cpu} {gpu}");
+    }
 }
 
 #[test]

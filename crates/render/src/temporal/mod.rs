@@ -153,6 +153,18 @@ pub fn layers(antialiasing: Antialiasing) -> Option<LayerSplit> {
     antialiasing.technique().layers()
 }
 
+/// What becomes of the frames of a run: the technique that adds them up, and how each is split into layers.
+/// Raw frames are not added up, and are split as they are seen.
+#[must_use]
+pub fn of_run(settings: &Settings, antialiasing: Antialiasing) -> (Antialiasing, Option<LayerSplit>) {
+    let asked_for = layers(antialiasing);
+    if settings.raw {
+        (Antialiasing::NONE, asked_for.or(Some(LayerSplit::AS_SEEN)))
+    } else {
+        (antialiasing, asked_for)
+    }
+}
+
 /// What has been added up: what [`crate::Pipeline`] keeps from frame to frame, and what other backends are
 /// measured against.
 #[derive(Clone, Debug)]
