@@ -14,7 +14,6 @@ use std::path::Path;
 
 use crate::{
     SceneError,
-    environment::Environment,
     load::{LoadOptions, LoadWarning, Loaded},
     model::SceneParts,
     scene::Scene,
@@ -84,10 +83,6 @@ const IGNORED: &[&str] = &[
     "KHR_materials_volume",
 ];
 
-/// How much of the neutral surroundings a file with lights of its own is shown in: enough to see what its
-/// lights miss.
-const DIM: f32 = 0.15;
-
 /// Reads a file, and what it refers to beside it.
 pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<Loaded, SceneError> {
     let bytes = resource::read_file(path)?;
@@ -113,7 +108,6 @@ pub(super) fn load_slice(bytes: &[u8], path: &Path, options: &LoadOptions) -> Re
     parts.nodes = hierarchy.nodes(&document)?;
     parts.cameras = hierarchy.cameras(&document)?;
     parts.lights = hierarchy.lights(&document)?;
-    parts.environment = if parts.lights.is_empty() { Environment::default() } else { dim_environment() };
     parts.animations = animation::read(&document, &hierarchy, &mut parts.nodes)?;
     parts.skins = hierarchy.skins(&document)?;
     let mut materials = material::Materials::new(&document);
@@ -148,15 +142,4 @@ fn check_extensions(document: &Document<'_>) -> Result<(), SceneError> {
         }
     }
     Ok(())
-}
-
-fn dim_environment() -> Environment {
-    let mut environment = Environment::default();
-    environment.zenith *= DIM;
-    environment.horizon *= DIM;
-    environment.ground *= DIM;
-    for lobe in &mut environment.lobes {
-        lobe.radiance *= DIM;
-    }
-    environment
 }
