@@ -168,7 +168,7 @@ pub fn read_exr(path: &Path) -> Result<Planes, ImageError> {
         reason,
         formats: "OpenEXR with R, G and B",
     };
-    check_claimed_size(&bytes, &what)?;
+    check_claimed_size(&bytes, &what, TextureLimits::default())?;
 
     let layer = exr::image::read::read()
         .no_deep_data()
@@ -231,8 +231,7 @@ fn fill<T>(plane: &mut Image<T>, channel: &AnyChannel<FlatSamples>, set: impl Fn
 }
 
 /// Refuses a file whose header claims more pixels than are worth decoding.
-fn check_claimed_size(bytes: &[u8], what: &str) -> Result<(), ImageError> {
-    let limits = TextureLimits::default();
+pub(crate) fn check_claimed_size(bytes: &[u8], what: &str, limits: TextureLimits) -> Result<(), ImageError> {
     // Unreadable headers are left to the reader, which says what is wrong.
     let Ok(meta) = exr::meta::MetaData::read_from_buffered(Cursor::new(bytes), false) else { return Ok(()) };
     for header in &meta.headers {
@@ -427,7 +426,7 @@ mod tests {
         let at = bytes.windows(key.len()).position(|window| window == key).unwrap() + key.len() + 4 + 8;
         bytes[at..at + 8].copy_from_slice(&[0x3f, 0x42, 0x0f, 0, 0x3f, 0x42, 0x0f, 0]);
         assert!(matches!(
-            check_claimed_size(&bytes, "huge.exr"),
+            check_claimed_size(&bytes, "huge.exr", TextureLimits::default()),
             Err(ImageError::TooLarge { width: 1_000_000, height: 1_000_000, .. })
         ));
     }

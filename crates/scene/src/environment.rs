@@ -1,8 +1,14 @@
-//! Light from far away: a sky in closed form, so that it can be looked up blurred without tables or noise.
+//! Light from far away: a sky in closed form, so that it can be looked up blurred without tables or noise, a
+//! panorama, or both.
 
-use std::f32::consts::PI;
+pub mod panorama;
+
+use std::{f32::consts::PI, sync::Arc};
 
 use glam::Vec3;
+use sheer_image::{Image, ImageError};
+
+use self::panorama::{DistantLight, EnvironmentMap, LEVEL_DIFFUSE, LEVEL_SEEN, LEVEL_SHARP, ROUGHNESS_STEPS};
 
 /// How far a reflection of roughness 1 pulls the height of the gradient towards the horizon, as a share. By
 /// eye.
@@ -13,7 +19,7 @@ pub const LEAST_WIDTH: f32 = 1e-3;
 /// By eye.
 pub const GROUND_STEEPNESS: f32 = 3.0;
 
-/// A vertical gradient plus soft lobes, all linear radiance.
+/// A vertical gradient plus soft lobes plus a panorama, all linear radiance.
 #[derive(Clone, Debug)]
 pub struct Environment {
     /// Linear radiance from straight above.
@@ -24,7 +30,37 @@ pub struct Environment {
     pub ground: Vec3,
     /// Soft boxes, the glow around a sun: what reflections live on.
     pub lobes: Vec<Lobe>,
+    /// What a picture adds to that.
+    pub map: Option<Arc<EnvironmentMap>>,
+    /// A light that is seen in the above but adds nothing to what is looked up there, since it casts shadows.
+    pub light: Option<DistantLight>,
 }
+
+/// Surroundings that have a name.
+#[derive(Clone, Copy, Debug)]
+pub struct NamedEnvironment {
+    /// The name.
+    pub name: &'static str,
+    /// What they are, for lists and help.
+    pub what: &'static str,
+    /// Makes them.
+    pub make: fn() -> Environment,
+}
+
+/// All surroundings that have a name.
+pub const NAMED: [NamedEnvironment; 3] = [
+    NamedEnvironment { name: "none", what: "no light", make: Environment::black },
+    NamedEnvironment {
+        name: "studio",
+        what: "a dim grey room with four soft lights, which files are shown in",
+        make: Environment::neutral_studio,
+    },
+    NamedEnvironment {
+        name: "plain",
+        what: "even white light from everywhere, in which base colours come out as they were authored",
+        make: Environment::plain,
+    },
+];
 
 /// A spherical Gaussian: `radiance · exp(sharpness · (cos - 1))` (Wang et al. 2009).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,10 +83,49 @@ impl Environment {
     /// No light at all.
     #[must_use]
     pub fn black() -> Self {
-        Self { zenith: Vec3::ZERO, horizon: Vec3::ZERO, ground: Vec3::ZERO, lobes: Vec::new() }
+        Self {
+            zenith: Vec3::ZERO,
+            horizon: Vec3::ZERO,
+            ground: Vec3::ZERO,
+            lobes: Vec::new(),
+            map: None,
+            light: None,
+        }
     }
 
-    /// What a file without lights is shown in: a dim grey room with a key, a fill, a rim light and a large
+    /// Radiance 1 from all directions.
+    #[must_use]
+    pub fn plain() -> Self {
+        Self { zenith: Vec3::ONE, horizon: Vec3::ONE, ground: Vec3::ONE, ..Self::black() }
+    }
+
+    /// The surroundings of a panorama, see [`panorama`]: equirectangular, linear radiance, finite and not
+    /// negative, top row first.
+    ///
+    /// # Errors
+    /// [`ImageError::Size`] if memory does not suffice.
+    pub fn from_panorama(panorama: &Image<[f32; 3]>) -> Result<Self, ImageError> {
+        let (map, light) = EnvironmentMap::new(panorama)?;
+        Ok(Self { map: Some(Arc::new(map)), light, ..Self::black() })
+    }
+
+    /// The same surroundings, `strength` times as bright.
+    #[must_use]
+    pub fn scaled(mut self, strength: f32) -> Self {
+        self.zenith *= strength;
+        self.horizon *= strength;
+        self.ground *= strength;
+        for lobe in &mut self.lobes {
+            lobe.radiance *= strength;
+        }
+        if let Some(light) = &mut self.light {
+            light.irradiance *= strength;
+        }
+        self.map = self.map.map(|map| Arc::new(Arc::unwrap_or_clone(map).scaled(strength)));
+        self
+    }
+
+    /// What files are shown in: a dim grey room with a key, a fill, a rim light and a large
     /// soft one in front. Dim, so that white things stand out and metals have something dark to reflect.
     #[must_use]
     pub fn neutral_studio() -> Self {
@@ -69,6 +144,7 @@ impl Environment {
                 lobe(0.1, 1.5, -1.0, 3.0, 14.0),
                 lobe(0.15, 0.3, 1.0, 0.8, 4.0),
             ],
+            ..Self::black()
         }
     }
 
@@ -76,6 +152,21 @@ impl Environment {
     /// view, 1 nearly the whole hemisphere (perceptual roughness).
     #[must_use]
     pub fn radiance(&self, direction: Vec3, roughness: f32) -> Vec3 {
+        let level = LEVEL_SHARP as f32 + roughness.clamp(0.0, 1.0) * ROUGHNESS_STEPS as f32;
+        self.closed_form(direction, roughness) + self.map_at(direction, level)
+    }
+
+    /// Radiance that a camera ray sees in a unit direction.
+    #[must_use]
+    pub fn seen(&self, direction: Vec3) -> Vec3 {
+        self.closed_form(direction, 0.0) + self.map_at(direction, LEVEL_SEEN as f32)
+    }
+
+    fn map_at(&self, direction: Vec3, level: f32) -> Vec3 {
+        self.map.as_ref().map_or(Vec3::ZERO, |map| map.at(direction, level))
+    }
+
+    fn closed_form(&self, direction: Vec3, roughness: f32) -> Vec3 {
         // The gradient is smooth: blurring it pulls the height towards the horizon's mix.
         let blur = 1.0 - HORIZON_BLUR * roughness * roughness;
         let mut sum = self.gradient(direction.y * blur);
@@ -106,7 +197,7 @@ impl Environment {
             let facing = ((cosine + softness) / (1.0 + softness)).max(0.0);
             sum += lobe.radiance * integral * facing / PI;
         }
-        sum
+        sum + self.map_at(normal, LEVEL_DIFFUSE as f32)
     }
 
     fn gradient(&self, height: f32) -> Vec3 {

@@ -8,6 +8,7 @@ use crate::{
     SceneError,
     camera::{Camera, CameraKey, CameraMotion, Lens},
     content_hash,
+    environment::Environment,
     model::{AlphaMode, Interpolation, Keys, Mesh, SceneParts, Track, Transform},
     texture::{MipChain, Sampler, samplers},
 };
@@ -108,6 +109,13 @@ impl Scene {
                 material.base_colour.w = 1.0;
             }
         }
+        self
+    }
+
+    /// The same scene in other surroundings.
+    #[must_use]
+    pub fn with_environment(mut self, environment: Environment) -> Self {
+        self.parts.environment = environment;
         self
     }
 

@@ -53,6 +53,7 @@ pub(crate) fn sky() -> Environment {
             Lobe { direction: towards_sun(), radiance: Vec3::new(1.5, 1.05, 0.6), sharpness: 9.0 },
             Lobe { direction: towards_sun(), radiance: Vec3::new(6.0, 4.6, 3.0), sharpness: 160.0 },
         ],
+        ..Environment::black()
     }
 }
 

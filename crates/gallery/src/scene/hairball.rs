@@ -81,6 +81,7 @@ pub(crate) fn build(values: &Values) -> Result<Scene, SceneError> {
                 // What glints in the eyes.
                 lobe(-0.75, 0.75, 1.0, Vec3::splat(40.0), 260.0),
             ],
+            ..Environment::black()
         },
     );
     let (key, rim, middle) = (Vec3::new(-3.7, 3.5, 1.6), Vec3::new(1.9, 2.2, -2.1), Vec3::Y * 0.55);

@@ -100,6 +100,7 @@ fn studio() -> Environment {
             lobe(-1.0, 0.3, 0.35, Vec3::new(1.2, 1.4, 1.7), 18.0),
             lobe(1.0, 0.15, -0.2, Vec3::new(1.5, 1.35, 1.2), 22.0),
         ],
+        ..Environment::black()
     }
 }
 

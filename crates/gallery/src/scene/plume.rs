@@ -58,6 +58,7 @@ pub(crate) fn build(values: &Values) -> Result<Scene, SceneError> {
                 sharpness: 3.0,
             },
         ],
+        ..Environment::black()
     };
     let mut builder = SceneBuilder::new("plume", environment);
     let palette = Palette::new(&mut builder, values.count(SEED.key));

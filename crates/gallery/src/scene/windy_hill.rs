@@ -83,6 +83,7 @@ fn sky() -> Environment {
             Lobe { direction: towards_sun(), radiance: Vec3::new(1.1, 0.95, 0.7), sharpness: 7.0 },
             Lobe { direction: towards_sun(), radiance: Vec3::new(6.0, 5.2, 3.8), sharpness: 140.0 },
         ],
+        ..Environment::black()
     }
 }
 

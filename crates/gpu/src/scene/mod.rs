@@ -11,20 +11,21 @@ use crate::{
     resource::list::{ListBuffer, STORAGE},
     shader::{
         binding::{
-            BIND_ATLAS, BIND_ATTRIBUTES, BIND_DEFORMED_NORMALS, BIND_INDICES, BIND_LIGHTS, BIND_LOBES,
-            BIND_MATERIALS, BIND_OBJECTS, BIND_OPACITIES, BIND_POSITIONS, BIND_PREVIOUS_POSITIONS,
-            BIND_TEXTURES, BIND_TRIANGLES,
+            BIND_ATLAS, BIND_ATTRIBUTES, BIND_DEFORMED_NORMALS, BIND_ENVIRONMENT_MAP, BIND_INDICES,
+            BIND_LIGHTS, BIND_LOBES, BIND_MATERIALS, BIND_OBJECTS, BIND_OPACITIES, BIND_POSITIONS,
+            BIND_PREVIOUS_POSITIONS, BIND_TEXTURES, BIND_TRIANGLES,
         },
         record::scene::{Light, Lobe, Material, MeshOffsets, Object, Opacity, Texture},
     },
 };
 
 pub(crate) mod atlas;
+mod environment_map;
 mod records;
 
 /// How many bindings of group 0 a scene has.
-const BINDING_COUNT: usize = 13;
-/// Which they are, in the order of [`SceneBuffers::lists`].
+const BINDING_COUNT: usize = 14;
+/// Which they are, in the order of [`SceneBuffers::resources`].
 const BINDINGS: [u32; BINDING_COUNT] = [
     BIND_POSITIONS,
     BIND_PREVIOUS_POSITIONS,
@@ -39,6 +40,7 @@ const BINDINGS: [u32; BINDING_COUNT] = [
     BIND_ATLAS,
     BIND_LIGHTS,
     BIND_LOBES,
+    BIND_ENVIRONMENT_MAP,
 ];
 
 /// The lists of `shaders/shared/scene.wgsl`, filled from a frame.
@@ -58,6 +60,8 @@ pub struct SceneBuffers {
     atlas_bytes: u64,
     lights: ListBuffer,
     lobes: ListBuffer,
+    environment_map: wgpu::TextureView,
+    environment_map_bytes: u64,
     /// Where each mesh lies in `attributes` and `indices`.
     meshes: Vec<MeshOffsets>,
     /// What `triangles` and `objects` hold: the frame has it in another form.
@@ -92,6 +96,7 @@ impl SceneBuffers {
             dimension: Some(wgpu::TextureViewDimension::D2Array),
             ..wgpu::TextureViewDescriptor::default()
         };
+        let environment_map = environment_map::upload(device, queue, frame.scene())?;
         let mut buffers = Self {
             positions: ListBuffer::new::<[Vec3; 3]>(device, "triangle positions", geometry),
             previous_positions: ListBuffer::new::<[Vec3; 3]>(device, "previous positions", STORAGE),
@@ -107,6 +112,8 @@ impl SceneBuffers {
             atlas_bytes: atlas.bytes(),
             lights: ListBuffer::new::<Light>(device, "lights", STORAGE),
             lobes: ListBuffer::filled(device, queue, "environment lobes", &lobes)?,
+            environment_map_bytes: environment_map::bytes(&environment_map),
+            environment_map: environment_map.create_view(&wgpu::TextureViewDescriptor::default()),
             meshes,
             triangle_words: Vec::new(),
             object_records: Vec::new(),
@@ -152,12 +159,12 @@ impl SceneBuffers {
     /// The scene's part of group 0.
     #[must_use]
     pub fn entries(&self) -> [wgpu::BindGroupEntry<'_>; BINDING_COUNT] {
-        let lists = self.lists();
+        let resources = self.resources();
         std::array::from_fn(|index| wgpu::BindGroupEntry {
             binding: BINDINGS[index],
-            resource: match lists[index] {
-                Some(buffer) => buffer.wgpu().as_entire_binding(),
-                None => wgpu::BindingResource::TextureView(&self.atlas),
+            resource: match resources[index] {
+                Resource::List(buffer) => buffer.wgpu().as_entire_binding(),
+                Resource::Texture(view) => wgpu::BindingResource::TextureView(view),
             },
         })
     }
@@ -168,18 +175,22 @@ impl SceneBuffers {
         std::array::from_fn(|index| wgpu::BindGroupLayoutEntry {
             binding: BINDINGS[index],
             visibility: wgpu::ShaderStages::VERTEX_FRAGMENT | wgpu::ShaderStages::COMPUTE,
-            ty: if BINDINGS[index] == BIND_ATLAS {
-                wgpu::BindingType::Texture {
+            ty: match BINDINGS[index] {
+                BIND_ATLAS => wgpu::BindingType::Texture {
                     sample_type: wgpu::TextureSampleType::Uint,
                     view_dimension: wgpu::TextureViewDimension::D2Array,
                     multisampled: false,
-                }
-            } else {
-                wgpu::BindingType::Buffer {
+                },
+                BIND_ENVIRONMENT_MAP => wgpu::BindingType::Texture {
+                    sample_type: wgpu::TextureSampleType::Float { filterable: false },
+                    view_dimension: wgpu::TextureViewDimension::D2,
+                    multisampled: false,
+                },
+                _ => wgpu::BindingType::Buffer {
                     ty: wgpu::BufferBindingType::Storage { read_only: true },
                     has_dynamic_offset: false,
                     min_binding_size: None,
-                }
+                },
             },
             count: None,
         })
@@ -195,25 +206,36 @@ impl SceneBuffers {
     /// Bytes of device memory that it all takes.
     #[must_use]
     pub fn bytes(&self) -> u64 {
-        self.atlas_bytes + self.lists().iter().flatten().map(|buffer| buffer.bytes()).sum::<u64>()
+        let lists = self.resources().into_iter().map(|resource| match resource {
+            Resource::List(buffer) => buffer.bytes(),
+            Resource::Texture(_) => 0,
+        });
+        self.atlas_bytes + self.environment_map_bytes + lists.sum::<u64>()
     }
 
-    /// The lists in the order of their bindings; none in the place of the atlas.
-    fn lists(&self) -> [Option<&ListBuffer>; BINDING_COUNT] {
+    /// What is bound, in the order of the bindings.
+    fn resources(&self) -> [Resource<'_>; BINDING_COUNT] {
         [
-            Some(&self.positions),
-            Some(&self.previous_positions),
-            Some(&self.triangles),
-            Some(&self.objects),
-            Some(&self.opacities),
-            Some(&self.attributes),
-            Some(&self.indices),
-            Some(&self.deformed_normals),
-            Some(&self.materials),
-            Some(&self.textures),
-            None,
-            Some(&self.lights),
-            Some(&self.lobes),
+            Resource::List(&self.positions),
+            Resource::List(&self.previous_positions),
+            Resource::List(&self.triangles),
+            Resource::List(&self.objects),
+            Resource::List(&self.opacities),
+            Resource::List(&self.attributes),
+            Resource::List(&self.indices),
+            Resource::List(&self.deformed_normals),
+            Resource::List(&self.materials),
+            Resource::List(&self.textures),
+            Resource::Texture(&self.atlas),
+            Resource::List(&self.lights),
+            Resource::List(&self.lobes),
+            Resource::Texture(&self.environment_map),
         ]
     }
+}
+
+/// What a binding of the scene holds.
+enum Resource<'a> {
+    List(&'a ListBuffer),
+    Texture(&'a wgpu::TextureView),
 }

@@ -60,6 +60,8 @@ numbers! {
     BIND_ACCEL = 15;
     /// Group 0: the triangles of the driver's structure, or the blocks of our tree.
     BIND_ACCEL_TRIANGLES = 16;
+    /// Group 0: the panorama of the surroundings, levels below a table of them.
+    BIND_ENVIRONMENT_MAP = 17;
 
     /// Group 1: `PixelRecord`s.
     BIND_PIXELS = 0;

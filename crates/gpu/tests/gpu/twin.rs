@@ -6,18 +6,20 @@
 #![expect(clippy::unwrap_used, reason = "a test that cannot begin has failed")]
 
 use std::{
+    f32::consts::TAU,
     path::Path as FilePath,
     sync::{Arc, LazyLock},
 };
 
+use glam::Vec2;
 use sheer_gpu::{AdapterChoice, Gpu, GpuBackend, GpuPathChoice, GpuPipeline, GpuStage, Tracer};
-use sheer_image::Planes;
+use sheer_image::{Image, Planes};
 use sheer_lab::{
     agreement::{Disagreement, Tolerance},
     picture,
 };
 use sheer_render::{Antialiasing, Backend, Method, Settings, Stage, backend::Cpu};
-use sheer_scene::{CameraChoice, Scene};
+use sheer_scene::{CameraChoice, Environment, Scene};
 
 /// Three built-in scenes, two files, some with an opacity for everything.
 const SCENES: [(&str, Option<f32>); 5] = [
@@ -111,6 +113,32 @@ fn threshold_methods_show_the_cpus_fragments_by_raster() {
     for method in ["std", "roulette", "dtaa", "dtaa-unique", "hashed", "stbn", "std:correction=dlss"] {
         check(&GPU, GpuPathChoice::Raster, method);
     }
+}
+
+/// Surroundings that no closed form has: a smooth sky of many colours, and a sun in it.
+fn panorama() -> Environment {
+    let towards_sun = Vec2::new(200.0, 30.0);
+    let texels = Image::from_fn(256, 128, |x, y| {
+        let wave = |step: f32| 0.5 + 0.5 * (step * x as f32 * TAU / 256.0 + 0.02 * y as f32).sin();
+        let sun = if Vec2::new(x as f32, y as f32).distance(towards_sun) < 2.5 { 800.0 } else { 0.0 };
+        [wave(1.0) + sun, 0.8 * wave(2.0) + sun, wave(3.0) + 0.8 * sun]
+    });
+    Environment::from_panorama(&texels.unwrap()).unwrap()
+}
+
+#[test]
+fn a_panorama_lights_and_is_seen_as_on_the_cpu() {
+    let plain = scene("gltf/Fox/Fox.gltf", Some(0.4));
+    let scene = Arc::new(Scene::clone(&plain).with_environment(panorama()));
+    assert!(scene.parts().environment.light.is_some(), "the sun casts shadows");
+    let mut stage = cpu_stage(&scene);
+    let expected = on_cpu(&mut stage, "std");
+    let found = on_gpu(&GPU, GpuPathChoice::Ray, &scene, "std", 0);
+    let seen = difference(&stage, &expected, &found);
+    assert!(seen.shows_same(TOLERANCE), "{seen}");
+    // Negative control: in other surroundings it is another picture.
+    let other = on_cpu(&mut cpu_stage(&plain), "std");
+    assert!(!difference(&stage, &other, &found).shows_same(TOLERANCE));
 }
 
 #[test]

@@ -15,7 +15,7 @@ use super::{
 };
 use crate::{
     camera::{Camera, CameraPose},
-    model::{AlphaMode, Material, SceneParts, TextureRef},
+    model::{AlphaMode, LightKind, Material, SceneParts, TextureRef},
     particle::ParticleSystem,
     scene::Scene,
 };
@@ -255,7 +255,13 @@ impl Animator {
 }
 
 fn lights_at<'a>(parts: &'a SceneParts, pose: &'a NodePose) -> impl Iterator<Item = FrameLight> + 'a {
-    parts.lights.iter().map(|light| {
+    let of_surroundings = parts.environment.light.iter().map(|light| FrameLight {
+        position: Vec3::ZERO,
+        direction: -light.direction,
+        intensity: light.irradiance,
+        kind: LightKind::Directional,
+    });
+    let of_nodes = parts.lights.iter().map(|light| {
         let world_from_node = pose.world_from_node[light.node as usize];
         FrameLight {
             position: world_from_node.translation.into(),
@@ -263,7 +269,8 @@ fn lights_at<'a>(parts: &'a SceneParts, pose: &'a NodePose) -> impl Iterator<Ite
             intensity: light.intensity,
             kind: light.kind,
         }
-    })
+    });
+    of_nodes.chain(of_surroundings)
 }
 
 fn tint_flag(material: &Material) -> u32 {

@@ -59,6 +59,7 @@ pub(super) fn dusk() -> Environment {
             lobe(low_sun, Vec3::new(7.0, 4.4, 1.9), 2600.0),
             lobe(Vec3::new(0.5, 0.55, 0.67).normalize(), Vec3::new(0.085, 0.13, 0.24), 2.5),
         ],
+        ..Environment::black()
     }
 }
 
