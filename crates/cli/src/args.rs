@@ -4,12 +4,19 @@ use std::{fmt, fs, iter, path::PathBuf, str::FromStr};
 
 use clap::{Args, Parser, Subcommand, builder::RangedU64ValueParser, value_parser};
 use glam::Vec3;
-use sheer_core::{colour::linear_from_srgb, coverage::Correction, parameter::split_name};
+use sheer_core::{
+    colour::linear_from_srgb,
+    coverage::Correction,
+    parameter::{Choice as _, split_name},
+};
 use sheer_gpu::{AdapterChoice, GpuPathChoice};
-use sheer_image::unit_from_u8;
+use sheer_image::{ToneCurve, unit_from_u8};
 use sheer_lab::Reference;
 use sheer_render::{Antialiasing, Backend, Background, Method, Shadow, backend::Cpu};
-use sheer_scene::CameraChoice;
+use sheer_scene::{
+    CameraChoice,
+    environment::{NAMED, NamedEnvironment},
+};
 
 use crate::output;
 
@@ -257,8 +264,29 @@ pub(crate) struct SceneArguments {
     /// Set the opacity of every material, 0 to 1.
     #[arg(long, value_name = "A", value_parser = unit)]
     pub(crate) alpha: Option<f32>,
+    /// What shines from all around: scene (the scene's own), none, studio, plain, or a panorama in a .hdr or
+    /// .exr file, twice as wide as high. Lights of the scene shine in addition.
+    #[arg(long, value_name = "NAME|FILE", default_value = "scene", value_parser = environment)]
+    pub(crate) environment: EnvironmentChoice,
+    /// How many times as bright the surroundings are.
+    #[arg(long, value_name = "X", default_value_t = 1.0, value_parser = strength)]
+    pub(crate) environment_strength: f32,
     #[command(flatten)]
     pub(crate) load: LoadArguments,
+}
+
+impl SceneArguments {
+    /// A scene as it is.
+    pub(crate) fn of(text: &str) -> Self {
+        Self {
+            text: text.to_owned(),
+            camera: None,
+            alpha: None,
+            environment: EnvironmentChoice::Scene,
+            environment_strength: 1.0,
+            load: LoadArguments::default(),
+        }
+    }
 }
 
 /// How a scene file is read.
@@ -299,6 +327,14 @@ pub(crate) struct LightArguments {
     /// `sheer methods --long` lists their keys.
     #[arg(long, value_name = "SHADOW", default_value_t)]
     pub(crate) shadow: Shadow,
+    /// Tone curve of pictures for a display (.png, pages and what is measured on displayed pictures):
+    /// pbr-neutral, none, aces, aces-narkowicz, agx or reinhard. Backgrounds of one colour and unlit
+    /// materials are shown as they are under any of them; .exr files have linear light.
+    #[arg(long, value_name = "CURVE", default_value = ToneCurve::default().word(), value_parser = tone_curve)]
+    pub(crate) tone: ToneCurve,
+    /// Stops by which the light of a scene is made brighter before the tone curve, negative for darker.
+    #[arg(long, value_name = "EV", default_value_t = 0.0, value_parser = exposure, allow_negative_numbers = true)]
+    pub(crate) exposure: f32,
 }
 
 /// What renders.
@@ -324,6 +360,30 @@ pub(crate) struct MachineArguments {
     pub(crate) quiet: bool,
 }
 
+/// What shines from all around (`--environment`).
+#[derive(Clone, Debug)]
+pub(crate) enum EnvironmentChoice {
+    /// The scene's own.
+    Scene,
+    /// One that has a name.
+    Named(NamedEnvironment),
+    /// A panorama.
+    File(PathBuf),
+}
+
+/// The name of the scene's own surroundings.
+const SCENE_ENVIRONMENT: &str = "scene";
+
+impl fmt::Display for EnvironmentChoice {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Scene => f.write_str(SCENE_ENVIRONMENT),
+            Self::Named(named) => f.write_str(named.name),
+            Self::File(path) => write!(f, "{}", path.display()),
+        }
+    }
+}
+
 /// Width and height in pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Size(pub(crate) [u32; 2]);
@@ -335,6 +395,10 @@ pub(crate) const DEFAULT_SIZE: Size = Size([960, 540]);
 pub(crate) const COMPARE_SIZE: Size = Size([400, 225]);
 /// Of experiments, of which there are many.
 pub(crate) const DEFAULT_EXPERIMENT_SIZE: Size = Size([240, 135]);
+/// A panorama in candela a square metre, or one in units of a candle.
+const MOST_STRENGTH: f32 = 1e6;
+/// Stops; from starlight to the sun are 30.
+const MOST_EXPOSURE_EV: f32 = 64.0;
 /// Pixels a side; 16k is more than any display has.
 const LONGEST_SIDE_PX: u32 = 16_384;
 
@@ -421,9 +485,41 @@ fn unit(text: &str) -> Result<f32, String> {
     value.ok_or_else(|| "give a number from 0 to 1".to_owned())
 }
 
+fn environment(text: &str) -> Result<EnvironmentChoice, String> {
+    if text == SCENE_ENVIRONMENT {
+        return Ok(EnvironmentChoice::Scene);
+    }
+    if let Some(named) = NAMED.into_iter().find(|named| named.name == text) {
+        return Ok(EnvironmentChoice::Named(named));
+    }
+    let path = PathBuf::from(text);
+    let is_panorama = path.extension().is_some_and(|extension| {
+        extension.eq_ignore_ascii_case("hdr") || extension.eq_ignore_ascii_case("exr")
+    });
+    if is_panorama {
+        return Ok(EnvironmentChoice::File(path));
+    }
+    let described = NAMED.map(|NamedEnvironment { name, what, .. }| format!("{name} ({what})")).join(", ");
+    Err(format!("there are {SCENE_ENVIRONMENT} (the scene's own), {described}, and .hdr and .exr files"))
+}
+
+fn strength(text: &str) -> Result<f32, String> {
+    let value = text.parse().ok().filter(|value| (0.0..=MOST_STRENGTH).contains(value));
+    value.ok_or_else(|| format!("give a number from 0 to {MOST_STRENGTH}"))
+}
+
 fn seconds(text: &str) -> Result<f32, String> {
     let value = text.parse().ok().filter(|value: &f32| value.is_finite());
     value.ok_or_else(|| "give a number of seconds".to_owned())
+}
+
+fn tone_curve(text: &str) -> Result<ToneCurve, String> {
+    ToneCurve::from_word(text).ok_or_else(|| format!("there are: {}", ToneCurve::WORDS.join(", ")))
+}
+
+fn exposure(text: &str) -> Result<f32, String> {
+    let value = text.parse().ok().filter(|value: &f32| value.abs() <= MOST_EXPOSURE_EV);
+    value.ok_or_else(|| format!("give a number of stops from -{MOST_EXPOSURE_EV} to {MOST_EXPOSURE_EV}"))
 }
 
 fn background(text: &str) -> Result<Background, String> {

@@ -10,7 +10,7 @@ use std::{
 
 use anyhow::Context as _;
 use sheer_image::{
-    FileFormat, ImageError, Metadata, Planes, ToneCurve, check_writable, write_frame, write_whole,
+    DisplayShare, FileFormat, ImageError, Metadata, Planes, Tone, check_writable, write_frame, write_whole,
 };
 
 /// The folder of outputs that were not named.
@@ -141,9 +141,16 @@ impl PictureOutput {
     }
 
     /// Writes the file of a frame.
-    pub(crate) fn write(&self, frame: u32, planes: &Planes, metadata: &Metadata) -> anyhow::Result<()> {
+    pub(crate) fn write(
+        &self,
+        frame: u32,
+        planes: &Planes,
+        tone: Tone,
+        share: &DisplayShare,
+        metadata: &Metadata,
+    ) -> anyhow::Result<()> {
         let _interruptions_wait = writing();
-        Ok(write_frame(&self.path(frame), planes, ToneCurve::default(), metadata)?)
+        Ok(write_frame(&self.path(frame), planes, tone, share, metadata)?)
     }
 }
 

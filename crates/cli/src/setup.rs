@@ -4,13 +4,17 @@ use std::{path::Path, sync::Arc};
 
 use anyhow::Context as _;
 use rayon::ThreadPoolBuilder;
-use sheer_image::Metadata;
+use sheer_core::parameter::Choice as _;
+use sheer_image::{Metadata, TextureLimits, Tone, read_panorama};
 use sheer_lab::file_name_from;
 use sheer_render::{Antialiasing, Backend, Method, RenderError, Settings, Shadow};
-use sheer_scene::{CameraChoice, LoadOptions, Scene};
+use sheer_scene::{CameraChoice, Environment, LoadOptions, Scene};
 
 use crate::{
-    args::{FrameArguments, LightArguments, LoadArguments, MachineArguments, SceneArguments, Size},
+    args::{
+        EnvironmentChoice, FrameArguments, LightArguments, LoadArguments, MachineArguments, SceneArguments,
+        Size,
+    },
     console::Console,
     report::json::Run,
     version::{COMMIT, VERSION},
@@ -36,6 +40,7 @@ impl FrameArguments {
             start_secs: self.time,
             first_frame: self.first_frame,
             raw: false,
+            tone: Tone::default(),
         }
     }
 }
@@ -43,7 +48,8 @@ impl FrameArguments {
 impl LightArguments {
     /// The same settings under this light.
     pub(crate) fn under(self, settings: Settings) -> Settings {
-        Settings { shadow: self.shadow, ..settings }
+        let tone = Tone { curve: self.tone, exposure_ev: self.exposure };
+        Settings { shadow: self.shadow, tone, ..settings }
     }
 }
 
@@ -79,10 +85,23 @@ impl SceneArguments {
         for warning in &loaded.warnings {
             console.warn(format_args!("{}: {warning}", self.text));
         }
+        let scene = self.surrounded(loaded.scene)?;
         Ok(Arc::new(match self.alpha {
-            Some(alpha) => loaded.scene.with_alpha(alpha),
-            None => loaded.scene,
+            Some(alpha) => scene.with_alpha(alpha),
+            None => scene,
         }))
+    }
+
+    /// The scene in the surroundings that were asked for.
+    fn surrounded(&self, scene: Scene) -> anyhow::Result<Scene> {
+        let environment = match &self.environment {
+            EnvironmentChoice::Scene => scene.parts().environment.clone(),
+            EnvironmentChoice::Named(named) => (named.make)(),
+            EnvironmentChoice::File(path) => {
+                Environment::from_panorama(&read_panorama(path, TextureLimits::default())?)?
+            }
+        };
+        Ok(scene.with_environment(environment.scaled(self.environment_strength)))
     }
 
     /// Loads the scene and builds what rendering needs.
@@ -111,6 +130,8 @@ pub(crate) fn metadata(
 ) -> Metadata {
     Metadata::default()
         .with("scene", &scene.text)
+        .with("environment", &scene.environment)
+        .with("environment_strength", scene.environment_strength)
         .with("method", method)
         .with("aa", aa)
         .with("shadow", settings.shadow)
@@ -122,8 +143,7 @@ pub(crate) fn metadata(
 
 /// How figures of many scenes came about.
 pub(crate) fn describe_many(backend: &impl Backend, settings: &Settings) -> Run {
-    let scene =
-        SceneArguments { text: "many".to_owned(), camera: None, alpha: None, load: LoadArguments::default() };
+    let scene = SceneArguments::of("many");
     describe_scene(backend, &scene, String::new(), rayon::current_num_threads(), settings, 0)
 }
 
@@ -163,6 +183,10 @@ fn describe_scene(
         first_frame: settings.first_frame,
         time_secs: settings.start_secs,
         shadow: settings.shadow.to_string(),
+        environment: scene.environment.to_string(),
+        environment_strength: scene.environment_strength,
+        tone: settings.tone.curve.word(),
+        exposure_ev: settings.tone.exposure_ev,
         backend: backend.name(),
         adapter: backend.adapter(),
         seed: settings.seed,

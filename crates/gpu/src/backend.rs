@@ -2,7 +2,7 @@
 
 use std::{borrow::Cow, sync::Arc};
 
-use sheer_image::Planes;
+use sheer_image::{DisplayShare, Planes};
 use sheer_render::{
     Antialiasing, Counters, Method, Moment, Settings, StepTime, Timings,
     backend::{Backend, StepClock},
@@ -98,6 +98,16 @@ impl Backend for GpuBackend {
 
     fn planes<'p>(&self, pipeline: &'p GpuPipeline) -> Result<Cow<'p, Planes>, GpuError> {
         Ok(Cow::Owned(pipeline.planes()?))
+    }
+
+    /// Found on the processor: nothing is shaded, and most scenes need no ray.
+    fn display_share(
+        &self,
+        stage: &GpuStage,
+        settings: &Settings,
+        antialiasing: Antialiasing,
+    ) -> Result<DisplayShare, GpuError> {
+        stage.display_share(settings, antialiasing)
     }
 
     fn steps<'p>(&self, pipeline: &'p GpuPipeline) -> &'p [StepTime] {

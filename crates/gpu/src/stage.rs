@@ -19,7 +19,11 @@ use std::{
 
 use glam::Vec3;
 use rayon::{ThreadPool, ThreadPoolBuilder, prelude::*};
-use sheer_render::{LIFT, Moment, RenderError, cpu::depth_range};
+use sheer_image::DisplayShare;
+use sheer_render::{
+    Antialiasing, LIFT, Moment, RenderError, Settings, Stage,
+    cpu::{depth_range, display_share, uniform_display_share},
+};
 use sheer_scene::{Animator, CameraChoice, CameraPose, Frame, Scene};
 
 use crate::{
@@ -97,6 +101,10 @@ fn next_version() -> u64 {
 pub struct GpuStage {
     gpu: Arc<Gpu>,
     animator: Animator,
+    source: Arc<Scene>,
+    camera: CameraChoice,
+    /// What the animator was last advanced to; none at time zero.
+    moment: Option<Moment>,
     pool: ThreadPool,
     extent: Extent,
     scene: SceneBuffers,
@@ -121,6 +129,7 @@ impl GpuStage {
         threads: Option<usize>,
     ) -> Result<Self, GpuError> {
         let scene = scene.into();
+        let (source, choice) = (Arc::clone(&scene), camera.clone());
         let camera = scene.camera(camera)?;
         let pool = ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0));
         let pool = pool.build().map_err(RenderError::from)?;
@@ -136,6 +145,9 @@ impl GpuStage {
         Ok(Self {
             gpu: Arc::clone(gpu),
             animator,
+            source,
+            camera: choice,
+            moment: None,
             pool,
             extent,
             scene,
@@ -153,6 +165,7 @@ impl GpuStage {
     /// [`GpuPipeline::render`](crate::GpuPipeline::render) takes a new one.
     pub fn advance(&mut self, moment: Moment) -> Result<(), GpuError> {
         let start = Instant::now();
+        self.moment = Some(moment);
         let Self { animator, pool, extent, .. } = self;
         pool.install(|| {
             animator.advance(moment.time_secs, moment.previous_secs);
@@ -205,6 +218,26 @@ impl GpuStage {
     #[must_use]
     pub fn frame(&self) -> &Frame {
         self.animator.frame()
+    }
+
+    /// How much of what each pixel of a picture shows is display-referred: by rays on the processor where the
+    /// scene mixes both kinds of light, for which it is prepared there anew.
+    ///
+    /// # Errors
+    /// There is not enough memory, or the threads cannot be started.
+    pub fn display_share(
+        &self,
+        settings: &Settings,
+        antialiasing: Antialiasing,
+    ) -> Result<DisplayShare, GpuError> {
+        if let Some(share) = uniform_display_share(&self.source, settings.background) {
+            return Ok(share);
+        }
+        let mut stage = Stage::new(Arc::clone(&self.source), &self.camera, Some(self.threads()))?;
+        if let Some(moment) = self.moment {
+            stage.advance(moment);
+        }
+        Ok(display_share(&stage, settings, antialiasing)?)
     }
 
     /// How many threads animate the scene and build acceleration structures.

@@ -1,7 +1,7 @@
 //! Images in memory and on disk: planes, EXR, PNG, the tone curve.
 //!
 //! This crate is the only one that reads and writes pixel files. In memory everything is linear light, top
-//! row first; [`ToneCurve`] is the one way from linear light to a display.
+//! row first; [`Tone`] is the one way from linear light to a display.
 
 mod decode;
 mod error;
@@ -24,5 +24,5 @@ pub use panorama::read_panorama;
 pub use planes::{Band, Pixel, PixelLayers, Planes};
 pub use png_file::{encode_png, read_png, write_png};
 pub use raster::Image;
-pub use tone::{ToneCurve, display, display_over_black, u8_from_unit, unit_from_u8};
+pub use tone::{DisplayShare, Tone, ToneCurve, display, display_over_black, u8_from_unit, unit_from_u8};
 pub use whole_file::write_whole;

@@ -3,8 +3,13 @@
 use std::path::Path;
 
 use crate::{
-    error::ImageError, exr_file::write_exr, metadata::Metadata, planes::Planes, png_file::write_png,
-    tone::ToneCurve, whole_file::temporary_beside,
+    error::ImageError,
+    exr_file::write_exr,
+    metadata::Metadata,
+    planes::Planes,
+    png_file::write_png,
+    tone::{DisplayShare, Tone},
+    whole_file::temporary_beside,
 };
 
 /// A pixel file format Sheer writes, chosen by the ending of the file name.
@@ -45,18 +50,20 @@ pub fn check_writable(path: &Path) -> Result<FileFormat, ImageError> {
     Ok(format)
 }
 
-/// Writes a frame in the format that the ending of `path` asks for. The tone curve applies to PNG only.
+/// Writes a frame in the format that the ending of `path` asks for. Tone and
+/// share apply to PNG only: EXR keeps linear light as it is.
 ///
 /// # Errors
 /// Those of [`write_png`] and [`write_exr`], and [`ImageError::UnknownExtension`].
 pub fn write_frame(
     path: &Path,
     planes: &Planes,
-    curve: ToneCurve,
+    tone: Tone,
+    share: &DisplayShare,
     metadata: &Metadata,
 ) -> Result<(), ImageError> {
     match FileFormat::from_path(path)? {
-        FileFormat::Png => write_png(path, &planes.colour, curve, metadata),
+        FileFormat::Png => write_png(path, &planes.colour, tone, share, metadata),
         FileFormat::Exr => write_exr(path, planes, metadata),
     }
 }

@@ -3,7 +3,9 @@
 use std::path::Path;
 
 use crate::metadata::SOFTWARE;
-use crate::{Image, ImageError, Metadata, TextureLimits, ToneCurve, decode_texture, display, write_whole};
+use crate::{
+    DisplayShare, Image, ImageError, Metadata, TextureLimits, Tone, decode_texture, display, write_whole,
+};
 
 /// Encodes sRGB pixels with straight alpha. The sRGB chunk says so; metadata goes to `tEXt` chunks, or `iTXt`
 /// where a text is not ASCII.
@@ -42,10 +44,11 @@ pub fn encode_png(srgb_straight: &Image<[u8; 4]>, metadata: &Metadata) -> Result
 pub fn write_png(
     path: &Path,
     colour: &Image<[f32; 4]>,
-    curve: ToneCurve,
+    tone: Tone,
+    share: &DisplayShare,
     metadata: &Metadata,
 ) -> Result<(), ImageError> {
-    write_whole(path, &encode_png(&display(colour, curve), metadata)?)
+    write_whole(path, &encode_png(&display(colour, tone, share), metadata)?)
 }
 
 /// Reads a PNG as 8-bit RGBA with straight alpha, in the colour space of the file.
@@ -100,7 +103,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("half.png");
         let colour = Image::filled(2, 1, [0.5, 0.25, 0.0, 0.5]).unwrap();
-        write_png(&path, &colour, ToneCurve::None, &Metadata::default()).unwrap();
+        write_png(&path, &colour, Tone::default(), &DisplayShare::Everything, &Metadata::default()).unwrap();
         assert_eq!(read_png(&path).unwrap()[(1, 0)], [255, 188, 0, 128]);
     }
 

@@ -122,7 +122,7 @@ pub fn shown_opacities<B: Backend>(
 ) -> Result<[f64; LEVELS]> {
     let mut sums = [0.0; LEVELS];
     play(backend, stage, std::slice::from_mut(pipeline), timeline, |event| {
-        let Event::Frame { index, pipelines } = event else { return Ok(()) };
+        let Event::Frame { index, pipelines, .. } = event else { return Ok(()) };
         if index >= timeline.frames() / 2 {
             let planes =
                 backend.planes(&pipelines[0]).map_err(|error| LabError::of_backend(backend, error))?;

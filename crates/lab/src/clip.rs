@@ -1,6 +1,6 @@
 //! Methods that play the same clip and are held against the exact answer.
 
-use sheer_image::{Image, ToneCurve, display, display_over_black, u8_from_unit};
+use sheer_image::{DisplayShare, Image, display};
 use sheer_metrics::{
     Flicker, Ghosting, TemporalPsnr, bias, error_map, flip, psnr_db, rms, ssim, video_vdp_jod,
 };
@@ -10,6 +10,7 @@ use crate::{
     LabError, Measured, Progress, REFERENCE, Result, Tally, Timeline, Truth,
     measured::AgainstTruth,
     play::{Event, pipelines, play},
+    shown::Shown,
 };
 
 /// Error of a displayed image that error maps show in their last colour.
@@ -50,24 +51,6 @@ struct Record {
     ghosting: Ghosting<3>,
     /// The last half of the frames as a display shows them, where they are kept.
     shown: Vec<Image<[u8; 3]>>,
-}
-
-/// A frame as figures see it.
-struct Shown {
-    linear: Image<[f32; 3]>,
-    displayed: Image<[f32; 3]>,
-}
-
-impl Shown {
-    /// `colour`: linear, premultiplied.
-    fn new(colour: &Image<[f32; 4]>) -> Self {
-        let linear = colour.par_map(|&[r, g, b, _]| [r, g, b]);
-        Self { linear, displayed: display_over_black(colour, ToneCurve::default()) }
-    }
-
-    fn in_bytes(&self) -> Image<[u8; 3]> {
-        self.displayed.par_map(|pixel| pixel.map(u8_from_unit))
-    }
 }
 
 /// Sums over frames.
@@ -181,9 +164,15 @@ impl Clip {
         for (pipeline, _) in pipelines.iter().zip(&contestants).filter(|(_, (_, seed))| *seed == seeds[0]) {
             backend.notes(pipeline).iter().for_each(|note| progress.warn(note));
         }
-        let frame_of = |pipeline: &B::Pipeline| {
+        let tone = self.settings.tone;
+        let frame_of = |pipeline: &B::Pipeline, share: &DisplayShare| {
             let planes = backend.planes(pipeline).map_err(|error| LabError::of_backend(backend, error))?;
-            Ok::<_, LabError>(Shown::new(&planes.colour))
+            Ok::<_, LabError>(Shown::new(&planes.colour, tone, share))
+        };
+        // The same for all methods: it depends on what is seen, not on how that is found.
+        let share_of = |stage: &B::Stage| {
+            let share = backend.display_share(stage, &self.settings, self.antialiasing);
+            share.map_err(|error| LabError::of_backend(backend, error))
         };
 
         // The frames of the truth come first: the stage has to be held at each of their moments.
@@ -206,12 +195,13 @@ impl Clip {
                     progress.step();
                 }
                 // The history has settled in the last half.
-                Event::Frame { index, pipelines } if index >= self.frame_count / 2 => {
-                    let reference = frame_of(&pipelines[reference_at])?;
+                Event::Frame { index, pipelines, stage } if index >= self.frame_count / 2 => {
+                    let share = share_of(stage)?;
+                    let reference = frame_of(&pipelines[reference_at], &share)?;
                     let truth = truth.and_then(|truth| truth.of_frame(timeline, index));
-                    let truth = truth.map(|truth| (Shown::new(&truth.colour), &truth.uncovered));
+                    let truth = truth.map(|truth| (truth.shown(tone), &truth.uncovered));
                     for (record, pipeline) in records.iter_mut().zip(pipelines) {
-                        let shown = frame_of(pipeline)?;
+                        let shown = frame_of(pipeline, &share)?;
                         record.quality.add(&reference, &shown)?;
                         if let Some((truth, uncovered)) = &truth {
                             record.against_truth.add(truth, &shown)?;
@@ -231,17 +221,18 @@ impl Clip {
         })?;
 
         // What remains to be judged once: the last picture, and the clip as a whole.
-        let reference = frame_of(&pipelines[reference_at])?;
+        let share = share_of(stage)?;
+        let reference = frame_of(&pipelines[reference_at], &share)?;
         let reference = Judge { last: &reference, clip: &records[reference_at].shown };
         let last_truth = truth.and_then(|truth| truth.of_frame(timeline, self.frame_count - 1));
-        let last_truth = last_truth.map(|truth| Shown::new(&truth.colour));
+        let last_truth = last_truth.map(|truth| truth.shown(tone));
         let truth = last_truth.as_ref().map(|last| Judge { last, clip: &shown_truths });
         let mut measured: Vec<Vec<Measured>> = Vec::with_capacity(methods.len());
         for (at, ((&(method, seed), pipeline), record)) in
             contestants.iter().zip(&pipelines).zip(&records).enumerate()
         {
-            let mut of_seed = self.measured(backend, (method, pipeline), record)?;
-            let last = frame_of(pipeline)?;
+            let mut of_seed = self.measured(backend, (method, pipeline), &share, record)?;
+            let last = frame_of(pipeline, &share)?;
             of_seed.vdp_jod = self.vdp_jod(&reference, record)?;
             if at != reference_at {
                 of_seed.error_map = Some(reference.error_map(&last)?);
@@ -295,6 +286,7 @@ impl Clip {
         &self,
         backend: &B,
         (method, pipeline): (&Method, &B::Pipeline),
+        share: &DisplayShare,
         Record { tally, quality, .. }: &Record,
     ) -> Result<Measured> {
         let planes = backend.planes(pipeline).map_err(|error| LabError::of_backend(backend, error))?;
@@ -321,7 +313,7 @@ impl Clip {
             hits_per_pixel,
             memory_bytes_per_pixel: backend.bytes_per_pixel(pipeline, hits_per_pixel),
             merged_per_pixel: tally.merged() / pixels,
-            picture: display(&planes.colour, ToneCurve::default()),
+            picture: display(&planes.colour, self.settings.tone, share),
             error_map: None,
         })
     }

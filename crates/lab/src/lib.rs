@@ -36,6 +36,7 @@ mod play;
 pub mod plot;
 mod progress;
 mod reference;
+mod shown;
 mod tally;
 mod truth;
 pub mod verify;

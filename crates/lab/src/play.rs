@@ -60,6 +60,8 @@ pub enum Event<'p, B: Backend> {
         index: u32,
         /// In the order in which they were given.
         pipelines: &'p [B::Pipeline],
+        /// At the moment of the frame.
+        stage: &'p B::Stage,
     },
 }
 
@@ -86,7 +88,7 @@ pub fn play<B: Backend>(
             let cost = backend.render(&mut pipelines[at], stage, index).map_err(failed)?;
             watch(Event::Rendered { at, pipeline: &pipelines[at], cost })?;
         }
-        watch(Event::Frame { index, pipelines })?;
+        watch(Event::Frame { index, pipelines, stage })?;
     }
     Ok(())
 }
@@ -146,7 +148,7 @@ mod tests {
         play(&Cpu, &mut stage, &mut both, Timeline::of(&settings, Antialiasing::NONE, 3), |event| {
             match event {
                 Event::Rendered { at, .. } => order.push(at),
-                Event::Frame { index, pipelines } => frames.push((index, pipelines.len())),
+                Event::Frame { index, pipelines, .. } => frames.push((index, pipelines.len())),
             }
             Ok(())
         })

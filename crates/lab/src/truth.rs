@@ -8,13 +8,14 @@
 //! all methods and all anti-aliasings of a run share it.
 
 use sheer_core::coverage::Correction;
-use sheer_image::{Image, ToneCurve, display};
+use sheer_image::{DisplayShare, Image, Tone, display};
 use sheer_metrics::Uncovering;
 use sheer_render::{Antialiasing, Backend, Counters, Method, Moment, Settings};
 
 use crate::{
     LabError, Progress, REFERENCE, Result, Timeline,
     play::{Event, pipelines, play},
+    shown::Shown,
 };
 
 /// Of the frames of a clip one in so many is judged against the truth: the last ones.
@@ -38,8 +39,17 @@ pub(crate) struct TruthFrame {
     moment: Moment,
     /// Linear, premultiplied.
     pub(crate) colour: Image<[f32; 4]>,
+    /// How much of it is display-referred.
+    share: DisplayShare,
     /// Pixels that were [uncovered](Uncovering) lately.
     pub(crate) uncovered: Image<bool>,
+}
+
+impl TruthFrame {
+    /// As figures see it.
+    pub(crate) fn shown(&self, tone: Tone) -> Shown {
+        Shown::new(&self.colour, tone, &self.share)
+    }
 }
 
 impl Truth {
@@ -58,7 +68,7 @@ impl Truth {
     #[must_use]
     pub fn picture(&self, timeline: Timeline<'_>) -> Option<Image<[u8; 4]>> {
         let last = self.of_frame(timeline, timeline.frames().checked_sub(1)?)?;
-        Some(display(&last.colour, ToneCurve::default()))
+        Some(display(&last.colour, self.settings.tone, &last.share))
     }
 
     /// The first frame of a clip that is judged against the truth.
@@ -111,7 +121,9 @@ impl Truth {
             let uncovered = uncovering.add(&*backend.planes(&nearest).map_err(failed)?)?;
             if index >= first && self.of_frame(timeline, index).is_none() {
                 let colour = self.colour(backend, stage, &mut counters, progress)?;
-                self.frames.push(TruthFrame { moment, colour, uncovered });
+                let share = backend.display_share(stage, &self.settings, Antialiasing::ACCUMULATE);
+                let share = share.map_err(failed)?;
+                self.frames.push(TruthFrame { moment, colour, share, uncovered });
             }
         }
         self.warn_of_overflow(backend, counters.merged, count, progress);

@@ -8,12 +8,13 @@
 
 use std::{borrow::Cow, env, error::Error, fs, sync::Arc};
 
-use sheer_image::Planes;
+use sheer_image::{DisplayShare, Planes};
 use sheer_scene::{CameraChoice, Scene};
 
 use crate::{
     contract::Memory,
     cost::{Counters, StepTime, Timings},
+    cpu::display_share,
     error::RenderError,
     method::Method,
     pipeline::Pipeline,
@@ -101,6 +102,18 @@ pub trait Backend {
     /// # Errors
     /// The device is lost, or there is no memory to read it back to.
     fn planes<'p>(&self, pipeline: &'p Self::Pipeline) -> Result<Cow<'p, Planes>, Self::Error>;
+
+    /// How much of what each pixel of a picture shows is display-referred, at the moment that the stage has
+    /// been advanced to.
+    ///
+    /// # Errors
+    /// There is not enough memory.
+    fn display_share(
+        &self,
+        stage: &Self::Stage,
+        settings: &Settings,
+        antialiasing: Antialiasing,
+    ) -> Result<DisplayShare, Self::Error>;
 
     /// Where the time of the last frame went, by [`step_clock`](Self::step_clock); empty where it is not
     /// known.
@@ -193,6 +206,15 @@ impl Backend for Cpu {
 
     fn planes<'p>(&self, pipeline: &'p Pipeline) -> Result<Cow<'p, Planes>, RenderError> {
         Ok(Cow::Borrowed(pipeline.planes()))
+    }
+
+    fn display_share(
+        &self,
+        stage: &Stage,
+        settings: &Settings,
+        antialiasing: Antialiasing,
+    ) -> Result<DisplayShare, RenderError> {
+        display_share(stage, settings, antialiasing)
     }
 
     fn steps<'p>(&self, pipeline: &'p Pipeline) -> &'p [StepTime] {

@@ -1,6 +1,7 @@
 //! What frames are rendered with, beside scene and method.
 
 use glam::{Vec2, Vec3};
+use sheer_image::Tone;
 
 use crate::shadow::Shadow;
 
@@ -10,7 +11,7 @@ pub enum Background {
     /// The scene's environment, as sharp as it is.
     #[default]
     Environment,
-    /// A constant linear colour.
+    /// A constant linear colour, display-referred: a picture for a display shows it as it is.
     Colour(Vec3),
     /// Nothing: the picture is transparent there.
     None,
@@ -34,6 +35,8 @@ pub struct Settings {
     /// Whether frames stay as they were rendered: jittered as the anti-aliasing wants them, with their pixels
     /// split into layers, and not added up.
     pub raw: bool,
+    /// How pictures for a display are made of frames; frames do not depend on it.
+    pub tone: Tone,
 }
 
 impl Default for Settings {
@@ -46,6 +49,7 @@ impl Default for Settings {
             start_secs: 0.0,
             first_frame: 0,
             raw: false,
+            tone: Tone::default(),
         }
     }
 }

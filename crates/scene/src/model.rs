@@ -33,7 +33,7 @@ pub struct SceneParts {
     pub animations: Vec<Animation>,
     /// Systems of particles, each drawn as a quad that faces the camera.
     pub particles: Vec<ParticleSystem>,
-    /// Punctual lights and the sun.
+    /// Punctual lights; that of the surroundings is theirs.
     pub lights: Vec<Light>,
     /// Light from far away, and what a ray that leaves the scene sees.
     pub environment: Environment,
@@ -177,13 +177,16 @@ pub enum ShadingModel {
     /// glTF metallic-roughness (glTF 2.0, appendix B).
     #[default]
     MetallicRoughness,
-    /// The base colour is the radiance (`KHR_materials_unlit`).
+    /// The base colour is what is seen (`KHR_materials_unlit`): display-referred, so that no tone curve
+    /// applies to it in pictures for a display.
     Unlit,
     /// A puff of smoke: light wraps around a sphere inscribed in the quad and shines through it.
     Smoke,
     /// A thin fibre, of hair or grass: what stands in the place of vertex normals is the direction it runs
     /// in, and light meets it from all around.
     Fibre,
+    /// The base colour is the radiance: a flame, a screen, a surface of known light.
+    Luminous,
 }
 
 /// What the alpha of a surface means (glTF 2.0, 3.9.4).

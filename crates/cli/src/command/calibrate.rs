@@ -2,7 +2,7 @@
 //! sets it right (STD section 3.2.1).
 
 use serde::Serialize;
-use sheer_image::{Metadata, ToneCurve, display, encode_png};
+use sheer_image::{DisplayShare, Metadata, display, encode_png};
 use sheer_lab::{
     Progress as _, Timeline,
     calibrate::{Calibration, areas, shown_opacities},
@@ -10,7 +10,7 @@ use sheer_lab::{
 use sheer_render::{Backend, Background};
 
 use crate::{
-    args::{CalibrateArguments, DEFAULT_SIZE, LoadArguments, SceneArguments},
+    args::{CalibrateArguments, DEFAULT_SIZE, SceneArguments},
     backend::Task,
     failure::Misuse,
     output::{self, TextOutput},
@@ -45,12 +45,7 @@ fn calibrate<B: Backend>(arguments: &CalibrateArguments, backend: &B) -> anyhow:
     let html = arguments.html.as_deref().map(TextOutput::open).transpose()?;
     let file = arguments.output.as_deref().map(TextOutput::open).transpose()?;
 
-    let scene = SceneArguments {
-        text: "calibration".to_owned(),
-        camera: None,
-        alpha: None,
-        load: LoadArguments::default(),
-    };
+    let scene = SceneArguments::of("calibration");
     let mut opened = scene.open(backend, arguments.machine, console)?;
     let mut pipeline = backend.pipeline(method, *antialiasing, settings)?;
     backend.notes(&pipeline).iter().for_each(|note| console.warn(note));
@@ -68,7 +63,7 @@ fn calibrate<B: Backend>(arguments: &CalibrateArguments, backend: &B) -> anyhow:
         calibration: Calibration::fit(method, measured)?,
     };
     if let Some(output) = &html {
-        let picture = display(&backend.planes(&pipeline)?.colour, ToneCurve::default());
+        let picture = display(&backend.planes(&pipeline)?.colour, settings.tone, &DisplayShare::Nothing);
         let picture_png = encode_png(&picture, &Metadata::default())?;
         output.write(&page::calibration::text(&report, &picture_png)?)?;
     }

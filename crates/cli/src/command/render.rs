@@ -6,7 +6,8 @@ use std::{
 };
 
 use anyhow::bail;
-use sheer_image::FileFormat;
+use sheer_core::parameter::Choice as _;
+use sheer_image::{DisplayShare, FileFormat};
 use sheer_lab::{Event, LabError, Progress as _, Tally, Timeline, play};
 use sheer_render::{Antialiasing, Backend, Settings, temporal::jitter};
 
@@ -48,6 +49,12 @@ fn render<B: Backend>(arguments: &RenderArguments, backend: &B) -> anyhow::Resul
     let mut pipeline = backend.pipeline(&arguments.method, antialiasing, settings)?;
     backend.notes(&pipeline).iter().for_each(|note| console.warn(note));
     let metadata = setup::metadata(backend, &arguments.scene, &arguments.method, antialiasing, &settings);
+    let metadata = match format {
+        FileFormat::Png => {
+            metadata.with("tone", settings.tone.curve.word()).with("exposure_ev", settings.tone.exposure_ev)
+        }
+        FileFormat::Exr => metadata,
+    };
     // Frames are written as they come, so that an interrupted sequence keeps those that it has.
     let mut tally = Tally::default();
     let bar = console.bar();
@@ -56,18 +63,23 @@ fn render<B: Backend>(arguments: &RenderArguments, backend: &B) -> anyhow::Resul
     play(backend, &mut stage, slice::from_mut(&mut pipeline), timeline, |event| {
         match event {
             Event::Rendered { cost, .. } => tally.add(cost),
-            Event::Frame { index, pipelines } => {
+            Event::Frame { index, pipelines, stage } => {
                 if is_sequence || index + 1 == frame_count {
-                    let planes = backend
-                        .planes(&pipelines[0])
-                        .map_err(|error| LabError::of_backend(backend, error))?;
+                    let failed = |error| LabError::of_backend(backend, error);
+                    let planes = backend.planes(&pipelines[0]).map_err(failed)?;
+                    let share = match format {
+                        FileFormat::Png => {
+                            backend.display_share(stage, &settings, antialiasing).map_err(failed)?
+                        }
+                        FileFormat::Exr => DisplayShare::Nothing,
+                    };
                     let frame = settings.first_frame + index;
                     let mut metadata = metadata.clone().with("frame", frame);
                     if settings.raw {
                         let offset = jitter(antialiasing, frame);
                         metadata = metadata.with("jitter.X", offset.x).with("jitter.Y", offset.y);
                     }
-                    let written = output.write(frame, &planes, &metadata);
+                    let written = output.write(frame, &planes, settings.tone, &share, &metadata);
                     written.map_err(|error| LabError::Output(error.into()))?;
                 }
                 bar.step();

@@ -58,8 +58,11 @@ pub(crate) fn run(arguments: &VerifyArguments) -> anyhow::Result<()> {
 /// Holds a GPU against the CPU in what the user asked for.
 fn hold(gpu: &GpuBackend, arguments: &VerifyArguments, console: Console) -> anyhow::Result<Vec<Check>> {
     let load = |text: String| {
-        let scene =
-            SceneArguments { text, camera: None, alpha: arguments.alpha, load: arguments.load.clone() };
+        let scene = SceneArguments {
+            alpha: arguments.alpha,
+            load: arguments.load.clone(),
+            ..SceneArguments::of(&text)
+        };
         anyhow::Ok((scene.text.clone(), scene.load(console)?))
     };
     let asked = Twins {

@@ -26,6 +26,14 @@ pub(crate) struct Run {
     pub(crate) time_secs: f32,
     /// `--shadow` with all its keys.
     pub(crate) shadow: String,
+    /// `--environment`.
+    pub(crate) environment: String,
+    /// `--environment-strength`.
+    pub(crate) environment_strength: f32,
+    /// `--tone`, of displayed pictures.
+    pub(crate) tone: &'static str,
+    /// `--exposure`, stops, of displayed pictures.
+    pub(crate) exposure_ev: f32,
     /// What rendered.
     pub(crate) backend: &'static str,
     /// The processor, or the GPU with its driver.

@@ -6,6 +6,7 @@ mod compare;
 mod experiments;
 mod gpu;
 mod interruption;
+mod light;
 // The browser is talked to over descriptors that a shell hands on.
 #[cfg(unix)]
 mod page;

@@ -21,14 +21,14 @@ const HALF_WIDTH: f32 = 16.0 / 9.0;
 
 pub(crate) fn build(_: &Values) -> Result<Scene, SceneError> {
     let mut builder = SceneBuilder::new("calibration", Environment::black());
-    let unlit = |name: &str, alpha_mode| Material {
+    let luminous = |name: &str, alpha_mode| Material {
         name: name.to_owned(),
-        model: ShadingModel::Unlit,
+        model: ShadingModel::Luminous,
         alpha_mode,
         ..Material::default()
     };
-    let white = builder.material(unlit("white of ten opacities", AlphaMode::Blend));
-    let grey = builder.material(unlit("ten greys", AlphaMode::Opaque));
+    let white = builder.material(luminous("white of ten opacities", AlphaMode::Blend));
+    let grey = builder.material(luminous("ten greys", AlphaMode::Opaque));
 
     let (mut transparent, mut opaque) = (Model::default(), Model::default());
     let width = 2.0 * HALF_WIDTH / LEVEL_COUNT as f32;

@@ -148,7 +148,7 @@ pub(crate) fn build(values: &Values) -> Result<Scene, SceneError> {
 fn put_sheet(builder: &mut SceneBuilder, name: &str, alpha_mode: AlphaMode, base_colour: Vec4, depth: f32) {
     let material = builder.material(Material {
         name: name.to_owned(),
-        model: ShadingModel::Unlit,
+        model: ShadingModel::Luminous,
         base_colour,
         alpha_mode,
         ..Material::default()

@@ -40,7 +40,7 @@ fn shade(ray: CameraRay, hit: Hit, pixel: vec2u) -> vec3f {
     let beam = Beam(ray.direction, pixel_width_at(view_depth(position)));
     let surface = surface_at(hit, beam);
     let to_viewer = -ray.direction;
-    if surface.model == MODEL_UNLIT {
+    if surface.model == MODEL_UNLIT || surface.model == MODEL_LUMINOUS {
         return surface.base_colour * frame.exposure;
     }
     // The environment is asked in one place for all models: software drivers compile each call anew, for

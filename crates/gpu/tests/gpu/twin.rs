@@ -11,14 +11,14 @@ use std::{
     sync::{Arc, LazyLock},
 };
 
-use glam::Vec2;
+use glam::{Vec2, Vec3};
 use sheer_gpu::{AdapterChoice, Gpu, GpuBackend, GpuPathChoice, GpuPipeline, GpuStage, Tracer};
 use sheer_image::{Image, Planes};
 use sheer_lab::{
     agreement::{Disagreement, Tolerance},
     picture,
 };
-use sheer_render::{Antialiasing, Backend, Method, Settings, Stage, backend::Cpu};
+use sheer_render::{Antialiasing, Backend, Background, Method, Moment, Settings, Stage, backend::Cpu};
 use sheer_scene::{CameraChoice, Environment, Scene};
 
 /// Three built-in scenes, two files, some with an opacity for everything.
@@ -139,6 +139,24 @@ fn a_panorama_lights_and_is_seen_as_on_the_cpu() {
     // Negative control: in other surroundings it is another picture.
     let other = on_cpu(&mut cpu_stage(&plain), "std");
     assert!(!difference(&stage, &other, &found).shows_same(TOLERANCE));
+}
+
+#[test]
+fn what_is_display_referred_is_the_same_on_both() {
+    let scene = scene("gltf/Fox/Fox.gltf", Some(0.4));
+    let settings = Settings { background: Background::Colour(Vec3::ONE), ..settings(&scene, 0) };
+    let backend = GpuBackend::new(Arc::clone(&GPU), GpuPathChoice::Ray);
+    let moment = Moment { time_secs: 0.3, previous_secs: 0.2 };
+    let (mut ours, mut theirs) = (cpu_stage(&scene), cpu_stage(&scene));
+    let mut gpu_stage = backend.stage(Arc::clone(&scene), &CameraChoice::Default, None).unwrap();
+    ours.advance(moment);
+    backend.advance(&mut gpu_stage, moment).unwrap();
+    let share = |stage: &Stage| Cpu.display_share(stage, &settings, Antialiasing::TAA).unwrap();
+    let found = backend.display_share(&gpu_stage, &settings, Antialiasing::TAA).unwrap();
+    assert_eq!(found, share(&ours));
+    // Negative control: at another moment the fox stands elsewhere.
+    theirs.advance(Moment { time_secs: 0.6, previous_secs: 0.5 });
+    assert_ne!(found, share(&theirs));
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use std::{borrow::Cow, sync::Arc};
 
-use sheer_image::{Planes, ToneCurve, display};
+use sheer_image::{DisplayShare, Planes, Tone, display};
 use sheer_render::{Antialiasing, Backend, Clock, Method, Moment, Settings};
 use sheer_scene::{CameraChoice, LoadOptions};
 
@@ -203,9 +203,12 @@ impl Played {
     }
 }
 
-/// A picture of planes.
+/// A picture of planes: the light of the built-in scenes is scene-referred.
 pub(super) fn picture(label: &str, planes: &Planes) -> Picture {
-    Picture { label: label.to_owned(), image: display(&planes.colour, ToneCurve::default()) }
+    Picture {
+        label: label.to_owned(),
+        image: display(&planes.colour, Tone::default(), &DisplayShare::Nothing),
+    }
 }
 
 /// Milliseconds over seconds, a line for each method.

@@ -36,7 +36,7 @@ pub(super) fn exponential_errors<B: Backend>(
         let mut pipelines = lab.pipelines(&[method], Antialiasing::NONE, settings)?;
         let mut averages = vec![glam::DVec3::ZERO; (SIZE[0] * SIZE[1]) as usize];
         play(lab.backend, &mut stage, &mut pipelines, Timeline::Still(FRAMES), |event| {
-            let Event::Frame { index, pipelines } = event else { return Ok(()) };
+            let Event::Frame { index, pipelines, .. } = event else { return Ok(()) };
             // A young average is a plain mean, as that of TAA.
             let weight = WEIGHT.max(1.0 / (f64::from(index) + 1.0));
             let planes = lab.planes(&pipelines[0])?;

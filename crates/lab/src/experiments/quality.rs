@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use sheer_image::{Planes, ToneCurve, display_over_black};
+use sheer_image::{DisplayShare, Planes, Tone, display_over_black};
 use sheer_metrics::{Flicker, gaussian_blur};
 use sheer_render::{Antialiasing, Backend, Clock, Moment, Settings};
 
@@ -181,7 +181,7 @@ fn coarse_flicker<B: Backend>(
                 lab.progress.step();
                 return Ok(());
             }
-            Event::Frame { index, pipelines } => (index, pipelines),
+            Event::Frame { index, pipelines, .. } => (index, pipelines),
         };
         let Some((reference, contestants)) = pipelines.split_last().filter(|_| index >= FRAMES / 2) else {
             return Ok(());
@@ -195,7 +195,8 @@ fn coarse_flicker<B: Backend>(
         }
         // Elsewhere no method differs from another; there all have the colour of the reference.
         let coarse = |pipeline: &B::Pipeline| -> Result<_> {
-            let shown = display_over_black(&lab.planes(pipeline)?.colour, ToneCurve::default());
+            let colour = &lab.planes(pipeline)?.colour;
+            let shown = display_over_black(colour, Tone::default(), &DisplayShare::Nothing);
             Ok(gaussian_blur(&shown, COARSE_SIGMA_PX))
         };
         let exact = coarse(reference)?;

@@ -270,6 +270,7 @@ fn layers<B: Backend>(backend: &B, method: &Method, threads: Option<usize>) -> R
 mod tests {
     use std::borrow::Cow;
 
+    use sheer_image::DisplayShare;
     use sheer_render::{Pipeline, RenderError, StepTime, Timings, backend::StepClock};
 
     use super::*;
@@ -348,6 +349,15 @@ mod tests {
             let mut planes = pipeline.planes().clone();
             (self.planes)(&mut planes);
             Ok(Cow::Owned(planes))
+        }
+
+        fn display_share(
+            &self,
+            stage: &Stage,
+            settings: &Settings,
+            antialiasing: Antialiasing,
+        ) -> Result<DisplayShare, RenderError> {
+            Cpu.display_share(stage, settings, antialiasing)
         }
 
         fn steps<'p>(&self, pipeline: &'p Pipeline) -> &'p [StepTime] {

@@ -1,6 +1,7 @@
 //! The CPU backend: the default and the gold standard. Deterministic: the same bits for any number of
 //! threads.
 
+mod display_share;
 mod draw;
 mod layer_filter;
 mod layered;
@@ -15,6 +16,7 @@ mod unordered;
 mod workspace;
 
 pub use self::{
+    display_share::{display_share, uniform_display_share},
     draw::Rendered,
     tracer::depth_range,
     transparency::{OwnOrdered, OwnSelection, OwnThreshold, OwnUnordered, Transparency, render},

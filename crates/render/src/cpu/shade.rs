@@ -81,7 +81,7 @@ impl Tracer<'_> {
         let to_viewer = -ray.direction;
         let scene = frame.scene().parts();
         let radiance = match surface.model {
-            ShadingModel::Unlit => surface.base_colour,
+            ShadingModel::Unlit | ShadingModel::Luminous => surface.base_colour,
             ShadingModel::MetallicRoughness => {
                 let lobes = Lobes::new(&surface, to_viewer);
                 let reflected =

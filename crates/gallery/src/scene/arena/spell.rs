@@ -140,7 +140,7 @@ impl Conjurer<'_> {
     fn shining(&mut self, name: &str, texture: Option<u32>, radiance: Vec4) -> u32 {
         self.builder.material(Material {
             name: name.to_owned(),
-            model: ShadingModel::Unlit,
+            model: ShadingModel::Luminous,
             base_colour: radiance,
             base_colour_texture: texture.map(TextureRef::new),
             alpha_mode: AlphaMode::Blend,

@@ -47,6 +47,7 @@ pub(crate) const CONSTANTS: &[(&str, u32)] = &[
     ("MODEL_UNLIT", ShadingModel::Unlit as u32),
     ("MODEL_SMOKE", ShadingModel::Smoke as u32),
     ("MODEL_FIBRE", ShadingModel::Fibre as u32),
+    ("MODEL_LUMINOUS", ShadingModel::Luminous as u32),
     ("WRAP_REPEAT", Wrap::Repeat as u32),
     ("WRAP_MIRRORED_REPEAT", Wrap::MirroredRepeat as u32),
     ("WRAP_CLAMP_TO_EDGE", Wrap::ClampToEdge as u32),
