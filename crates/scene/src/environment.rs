@@ -8,7 +8,7 @@ use std::{f32::consts::PI, sync::Arc};
 use glam::Vec3;
 use sheer_image::{Image, ImageError};
 
-use self::panorama::{DistantLight, EnvironmentMap, LEVEL_DIFFUSE, LEVEL_SEEN, LEVEL_SHARP, ROUGHNESS_STEPS};
+use self::panorama::{DistantLight, EnvironmentMap, LEVEL_DIFFUSE, LEVEL_SHARP, ROUGHNESS_STEPS};
 
 /// How far a reflection of roughness 1 pulls the height of the gradient towards the horizon, as a share. By
 /// eye.
@@ -32,7 +32,7 @@ pub struct Environment {
     pub lobes: Vec<Lobe>,
     /// What a picture adds to that.
     pub map: Option<Arc<EnvironmentMap>>,
-    /// A light that is seen in the above but adds nothing to what is looked up there, since it casts shadows.
+    /// A light that casts shadows, and that surfaces which blur what they reflect do not find in the above.
     pub light: Option<DistantLight>,
 }
 
@@ -154,12 +154,6 @@ impl Environment {
     pub fn radiance(&self, direction: Vec3, roughness: f32) -> Vec3 {
         let level = LEVEL_SHARP as f32 + roughness.clamp(0.0, 1.0) * ROUGHNESS_STEPS as f32;
         self.closed_form(direction, roughness) + self.map_at(direction, level)
-    }
-
-    /// Radiance that a camera ray sees in a unit direction.
-    #[must_use]
-    pub fn seen(&self, direction: Vec3) -> Vec3 {
-        self.closed_form(direction, 0.0) + self.map_at(direction, LEVEL_SEEN as f32)
     }
 
     fn map_at(&self, direction: Vec3, level: f32) -> Vec3 {

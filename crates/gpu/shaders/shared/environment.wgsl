@@ -15,11 +15,6 @@ fn environment_radiance(direction: vec3f, roughness: f32) -> vec3f {
     return closed_form(direction, roughness) + map_at(direction, level);
 }
 
-// Radiance that a camera ray sees in a unit direction.
-fn environment_seen(direction: vec3f) -> vec3f {
-    return closed_form(direction, 0.0) + map_at(direction, f32(LEVEL_SEEN));
-}
-
 fn closed_form(direction: vec3f, roughness: f32) -> vec3f {
     // The gradient is smooth: blurring it pulls the height towards the horizon's mix.
     let blur = 1.0 - HORIZON_BLUR * roughness * roughness;

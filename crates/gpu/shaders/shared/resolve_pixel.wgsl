@@ -14,7 +14,7 @@
 fn background(ray: CameraRay) -> vec4f {
     switch frame.background_kind {
         case BACKGROUND_ENVIRONMENT: {
-            return vec4f(environment_seen(ray.direction) * frame.exposure, 1.0);
+            return vec4f(environment_radiance(ray.direction, 0.0) * frame.exposure, 1.0);
         }
         case BACKGROUND_COLOUR: {
             return vec4f(frame.background_rgb, 1.0);

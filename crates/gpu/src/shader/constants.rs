@@ -65,7 +65,7 @@ pub(crate) fn all() -> Vec<Constant> {
             LEAST_COSINE, LEAST_CONE, LEAST_SQUARE_DISTANCE,
         },
         environment::{HORIZON_BLUR, LEAST_WIDTH, GROUND_STEEPNESS},
-        panorama::{LEVEL_SEEN, LEVEL_SHARP, ROUGHNESS_STEPS, LEVEL_DIFFUSE, ANGLE_FIT, ANGLE_FIT_END},
+        panorama::{LEVEL_SHARP, ROUGHNESS_STEPS, LEVEL_DIFFUSE, ANGLE_FIT, ANGLE_FIT_END},
         shadow::{LIFT_ROUNDING},
         consts::{PI},
         tables::{TABLE_STD_MAPS, TABLE_BLUE_NOISE, TABLE_DECODE},

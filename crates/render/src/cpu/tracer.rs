@@ -78,7 +78,7 @@ impl<'a> Tracer<'a> {
         let scene = self.stage.frame().scene().parts();
         match self.settings.run.background {
             Background::Environment => {
-                let rgb = scene.environment.seen(ray.direction) * scene.exposure;
+                let rgb = scene.environment.radiance(ray.direction, 0.0) * scene.exposure;
                 Premul { rgb, alpha: 1.0 }
             }
             Background::Colour(rgb) => Premul { rgb, alpha: 1.0 },

@@ -4,8 +4,7 @@
 //! All that a look-up needs lies in one image, so that a GPU has it as one texture: the first row is a table
 //! of the levels, and the levels lie below it, one under the other. They are
 //!
-//! * [`LEVEL_SEEN`], the panorama itself, which camera rays see;
-//! * [`LEVEL_SHARP`], the same without the light that has been taken out of it, which mirrors see;
+//! * [`LEVEL_SHARP`], the panorama itself, which camera rays and mirrors see;
 //! * after it [`ROUGHNESS_STEPS`] levels of rising roughness, which glossy surfaces see: means over the lobe
 //!   of GGX that is seen from its normal (Karis 2013, *Real Shading in Unreal Engine 4*: the first of two
 //!   sums), by samples of its distribution from smaller pictures (Křivánek, Colbert 2008, *Real-time Shading
@@ -29,10 +28,8 @@ use glam::Vec3;
 use sheer_core::hash::Fnv1a;
 use sheer_image::{Image, ImageError};
 
-/// What camera rays see.
-pub const LEVEL_SEEN: u32 = 0;
-/// What a mirror sees.
-pub const LEVEL_SHARP: u32 = 1;
+/// What camera rays and mirrors see.
+pub const LEVEL_SHARP: u32 = 0;
 /// How many levels of greater roughness follow, evenly up to a perceptual roughness of 1.
 pub const ROUGHNESS_STEPS: u32 = 8;
 /// What a matt surface sees.
@@ -53,8 +50,10 @@ const SAMPLES: u32 = 128;
 const SEARCH_COLUMNS: u32 = 512;
 /// The strongest light is what is at least this share as bright as the brightest texel, around it.
 const LEAST_BRIGHTNESS: f32 = 0.5;
-/// A light is compact if it lies within this angle of its middle: its shadow is that of a point.
-const MOST_RADIUS_RAD: f32 = 0.175;
+/// A light is compact if it lies within this angle of its middle, 20 degrees: its shadow is that of a point.
+const MOST_RADIUS_RAD: f32 = 0.35;
+/// Lobes as wide as this share of a light's radius, or narrower, show its shape: it stays in what they see.
+const NARROW_LOBE: f32 = 0.25;
 /// A light below this share of all light stays in the panorama.
 const LEAST_LIGHT: f32 = 1.0 / 16.0;
 
@@ -94,22 +93,19 @@ impl EnvironmentMap {
         while seen.width() > MOST_COLUMNS {
             seen = halved(&seen)?;
         }
-        let found = strongest_light(&seen)?;
-        let without = found.as_ref().map(|parted| &parted.rest);
-        let sharp = without.unwrap_or(&seen);
+        let parted = strongest_light(&seen)?;
+        let whole = chain(seen)?;
+        let rest = parted.as_ref().map(|parted| chain(parted.rest.clone())).transpose()?;
 
-        let mut sources = vec![sharp.clone()];
-        while let Some(last) = sources.last().filter(|last| last.width() > 1 && last.height() > 1) {
-            sources.push(halved(last)?);
-        }
-        let mut levels = vec![seen.clone()];
-        levels.extend(without.cloned());
+        let mut levels = vec![whole[0].clone()];
         for (step, columns) in (1..).zip(ROUGH_COLUMNS) {
-            levels.push(glossy(&sources, step as f32 / ROUGHNESS_STEPS as f32, columns)?);
+            let roughness = step as f32 / ROUGHNESS_STEPS as f32;
+            let shows_shape = |parted: &Parted| roughness * roughness <= NARROW_LOBE * parted.radius_rad;
+            let sources = rest.as_ref().filter(|_| !parted.as_ref().is_some_and(shows_shape));
+            levels.push(glossy(sources.unwrap_or(&whole), roughness, columns)?);
         }
-        levels.push(matt(&sources)?);
-        let map = Self { texels: stacked(&levels, without.is_none())? };
-        Ok((map, found.map(|parted| parted.light)))
+        levels.push(matt(rest.as_ref().unwrap_or(&whole))?);
+        Ok((Self { texels: stacked(&levels)? }, parted.map(|parted| parted.light)))
     }
 
     /// All of it times a factor.
@@ -161,7 +157,8 @@ pub const ANGLE_FIT: [f32; 4] = [0.999_977_26, -0.332_623_47, 0.193_543_46, -0.1
 /// The two that follow.
 pub const ANGLE_FIT_END: [f32; 2] = [0.052_653_32, -0.011_721_2];
 
-/// The angle from the axis of `x` to a point, radians; 0 for none. GPUs have an arcus tangent each of its own.
+/// The angle from the axis of `x` to a point, radians; 0 for none. GPUs have an arcus tangent each of its
+/// own.
 fn angle(y: f32, x: f32) -> f32 {
     let (less, more) = (y.abs().min(x.abs()), y.abs().max(x.abs()));
     let ratio = if more > 0.0 { less / more } else { 0.0 };
@@ -209,6 +206,15 @@ fn halved(image: &Image<[f32; 3]>) -> Result<Image<[f32; 3]>, ImageError> {
         }
         (sum / weights).to_array()
     })
+}
+
+/// A picture, then each half as wide, down to one column or row.
+fn chain(image: Image<[f32; 3]>) -> Result<Vec<Image<[f32; 3]>>, ImageError> {
+    let mut chain = vec![image];
+    while let Some(last) = chain.last().filter(|last| last.width() > 1 && last.height() > 1) {
+        chain.push(halved(last)?);
+    }
+    Ok(chain)
 }
 
 /// The texels around a direction, weighed by distance.
@@ -287,28 +293,21 @@ fn matt(sources: &[Image<[f32; 3]>]) -> Result<Image<[f32; 3]>, ImageError> {
     })
 }
 
-/// The table and the levels below each other. `mirrors_see_all`: the first level is the second as well.
-fn stacked(levels: &[Image<[f32; 3]>], mirrors_see_all: bool) -> Result<Image<[f32; 4]>, ImageError> {
+/// The table and the levels below each other.
+fn stacked(levels: &[Image<[f32; 3]>]) -> Result<Image<[f32; 4]>, ImageError> {
     let columns = levels.iter().map(Image::width).max().unwrap_or(0).max(LEVEL_COUNT);
     let rows = 1 + levels.iter().map(Image::height).sum::<u32>();
     let mut texels = Image::filled(columns, rows, [0.0; 4])?;
-    let mut table = Vec::with_capacity(LEVEL_COUNT as usize);
     let mut first_row = 1;
-    for level in levels {
-        for (y, row) in level.rows().enumerate() {
-            for (x, &[r, g, b]) in row.iter().enumerate() {
-                texels[(x as u32, first_row + y as u32)] = [r, g, b, 1.0];
+    for (column, level) in (0..).zip(levels) {
+        // Whole numbers of fewer than 24 bits.
+        texels[(column, 0)] = [first_row as f32, level.width() as f32, level.height() as f32, 0.0];
+        for (y, row) in (first_row..).zip(level.rows()) {
+            for (x, &[r, g, b]) in (0..).zip(row) {
+                texels[(x, y)] = [r, g, b, 1.0];
             }
         }
-        // Whole numbers of fewer than 24 bits.
-        table.push([first_row as f32, level.width() as f32, level.height() as f32, 0.0]);
         first_row += level.height();
-    }
-    if mirrors_see_all {
-        table.insert(LEVEL_SHARP as usize, table[LEVEL_SEEN as usize]);
-    }
-    for (level, entry) in table.into_iter().enumerate() {
-        texels[(level as u32, 0)] = entry;
     }
     Ok(texels)
 }
@@ -320,6 +319,8 @@ fn luminance(rgb: [f32; 3]) -> f32 {
 /// A panorama without its strongest light, and that.
 struct Parted {
     light: DistantLight,
+    /// Radius of the cone that it lies in.
+    radius_rad: f32,
     rest: Image<[f32; 3]>,
 }
 
@@ -363,7 +364,7 @@ fn strongest_light(panorama: &Image<[f32; 3]>) -> Result<Option<Parted>, ImageEr
         return Ok(None);
     }
     let light = DistantLight { direction: direction.normalize_or(middle), irradiance };
-    Ok(Some(Parted { light, rest }))
+    Ok(Some(Parted { light, radius_rad, rest }))
 }
 
 /// The middle of what is about as bright as the brightest texel and touches it, and the radius of a cone
@@ -517,12 +518,24 @@ mod tests {
         let wanted = 1999.5 * disc_sr;
         assert!((light.irradiance.x / wanted - 1.0).abs() < 0.05, "{light:?}, {wanted} wanted");
         assert!((light.irradiance.y / light.irradiance.x - 0.5).abs() < 1e-3);
-        // It is still there to be seen, but in no reflection.
-        assert!(map.at(towards, LEVEL_SEEN as f32).x > 1900.0);
-        for level in LEVEL_SHARP..=LEVEL_DIFFUSE {
+        // It is still there to be seen, but in no blurred reflection.
+        assert!(map.at(towards, LEVEL_SHARP as f32).x > 1900.0);
+        for level in LEVEL_SHARP + 1..=LEVEL_DIFFUSE {
             let seen = map.at(towards, level as f32).x;
             assert!((seen - 0.5).abs() < 0.02, "{level}: {seen}");
         }
+    }
+
+    #[test]
+    fn a_soft_box_keeps_its_shape_where_reflections_show_it() {
+        let towards = Vec3::new(0.0, 0.6, 0.8);
+        let radius = (15.0_f32).to_radians();
+        let room = panorama(512, |direction| if direction.dot(towards) > radius.cos() { 40.0 } else { 1.0 });
+        let (map, light) = EnvironmentMap::new(&room).unwrap();
+        assert!(light.is_some());
+        let seen = [0, 1, 2, 4, ROUGHNESS_STEPS, LEVEL_DIFFUSE].map(|level| map.at(towards, level as f32).x);
+        assert!(seen[..3].iter().all(|&seen| seen > 30.0), "{seen:?}");
+        assert!(seen[3..].iter().all(|&seen| (seen - 1.0).abs() < 0.05), "{seen:?}");
     }
 
     #[test]
@@ -534,7 +547,7 @@ mod tests {
             });
             EnvironmentMap::new(&sky).unwrap().1
         };
-        // A soft box of 25 degrees around, and a star.
+        // A bright wall of 25 degrees around, and a star.
         assert_eq!(of(25.0, 50.0), None);
         assert_eq!(of(1.0, 20.0), None);
         assert!(of(5.0, 400.0).is_some());
