@@ -11,7 +11,7 @@
 
 use std::{
     sync::{
-        Arc,
+        Arc, Mutex, PoisonError,
         atomic::{AtomicU64, Ordering},
     },
     time::Instant,
@@ -105,6 +105,8 @@ pub struct GpuStage {
     camera: CameraChoice,
     /// What the animator was last advanced to; none at time zero.
     moment: Option<Moment>,
+    /// The scene on the processor, where it was needed there.
+    twin: Mutex<Option<Stage>>,
     pool: ThreadPool,
     extent: Extent,
     scene: SceneBuffers,
@@ -148,6 +150,7 @@ impl GpuStage {
             source,
             camera: choice,
             moment: None,
+            twin: Mutex::new(None),
             pool,
             extent,
             scene,
@@ -221,7 +224,7 @@ impl GpuStage {
     }
 
     /// How much of what each pixel of a picture shows is display-referred: by rays on the processor where the
-    /// scene mixes both kinds of light, for which it is prepared there anew.
+    /// scene mixes both kinds of light, for which it is prepared there once.
     ///
     /// # Errors
     /// There is not enough memory, or the threads cannot be started.
@@ -233,11 +236,16 @@ impl GpuStage {
         if let Some(share) = uniform_display_share(&self.source, settings.background) {
             return Ok(share);
         }
-        let mut stage = Stage::new(Arc::clone(&self.source), &self.camera, Some(self.threads()))?;
+        // The lock guards no data that a panic could have left half-changed: a stage is advanced before it is used.
+        let mut twin = self.twin.lock().unwrap_or_else(PoisonError::into_inner);
+        let stage = match &mut *twin {
+            Some(stage) => stage,
+            none => none.insert(Stage::new(Arc::clone(&self.source), &self.camera, Some(self.threads()))?),
+        };
         if let Some(moment) = self.moment {
             stage.advance(moment);
         }
-        Ok(display_share(&stage, settings, antialiasing)?)
+        Ok(display_share(stage, settings, antialiasing)?)
     }
 
     /// How many threads animate the scene and build acceleration structures.
