@@ -269,7 +269,7 @@ pub(crate) struct SceneArguments {
     #[arg(long, value_name = "NAME|FILE", default_value = "scene", value_parser = environment)]
     pub(crate) environment: EnvironmentChoice,
     /// How many times as bright the surroundings are.
-    #[arg(long, value_name = "X", default_value_t = 1.0, value_parser = strength)]
+    #[arg(long, value_name = "X", default_value_t = 1.0, value_parser = strength, allow_negative_numbers = true)]
     pub(crate) environment_strength: f32,
     #[command(flatten)]
     pub(crate) load: LoadArguments,
