@@ -236,7 +236,8 @@ impl GpuStage {
         if let Some(share) = uniform_display_share(&self.source, settings.background) {
             return Ok(share);
         }
-        // The lock guards no data that a panic could have left half-changed: a stage is advanced before it is used.
+        // The lock guards no data that a panic could have left half-changed: a stage is advanced before it is
+        // used.
         let mut twin = self.twin.lock().unwrap_or_else(PoisonError::into_inner);
         let stage = match &mut *twin {
             Some(stage) => stage,

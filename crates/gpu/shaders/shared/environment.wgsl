@@ -1,12 +1,12 @@
-// Light from far away: twin of crates/scene/src/environment.rs and, of what a panorama adds, of panorama.rs in
-// the folder beside it.
+// Light from far away: twin of crates/scene/src/environment.rs and, of what a panorama adds, of panorama.rs
+// in the folder beside it.
 #import shared/frame
 #import shared/vector
 #import struct/Lobe
 
 @group(GROUP_SCENE) @binding(BIND_LOBES) var<storage, read> lobes: array<Lobe>;
-// The table of levels (first row, columns and rows of each), and below it their texels; one empty row of a table
-// where there is no panorama.
+// The table of levels (first row, columns and rows of each), and below it their texels; one empty row of a
+// table where there is no panorama.
 @group(GROUP_SCENE) @binding(BIND_ENVIRONMENT_MAP) var environment_map: texture_2d<f32>;
 
 // Radiance arriving from a unit direction, averaged over a lobe of the given width (perceptual roughness).
@@ -72,7 +72,8 @@ fn map_at(direction: vec3f, level: f32) -> vec3f {
     return sum;
 }
 
-// The angles from the axis of `x` to two points, radians; 0 for none. GPUs have an arcus tangent each of its own.
+// The angles from the axis of `x` to two points, radians; 0 for none. GPUs have an arcus tangent each of its
+// own.
 fn angles_of(y: vec2f, x: vec2f) -> vec2f {
     let less = min(abs(y), abs(x));
     let more = max(abs(y), abs(x));

@@ -37,7 +37,7 @@ pub const LEVEL_DIFFUSE: u32 = LEVEL_SHARP + ROUGHNESS_STEPS + 1;
 const LEVEL_COUNT: u32 = LEVEL_DIFFUSE + 1;
 
 /// Columns of the rough levels: two or more to the width of their lobes.
-const ROUGH_COLUMNS: [u32; ROUGHNESS_STEPS as usize] = [512, 256, 128, 128, 64, 64, 64, 64];
+const ROUGH_COLUMNS: [u32; ROUGHNESS_STEPS as usize] = [256, 256, 128, 128, 64, 64, 64, 64];
 /// Columns of the level of matt surfaces, and of what it is summed from.
 const DIFFUSE_COLUMNS: u32 = 64;
 /// Wider panoramas are made smaller: at a field of view of 60 degrees a picture of 340 columns would still
