@@ -61,7 +61,8 @@ fn hdr(bytes: &[u8], what: &str, limits: TextureLimits) -> Result<Image<[f32; 3]
         reason: error.to_string(),
         formats: FORMATS,
     };
-    let decoder = HdrDecoder::new(Cursor::new(bytes)).map_err(failed)?;
+    // Strictly the first line would have to be `#?RADIANCE`, and many programs write `#?RGBE`.
+    let decoder = HdrDecoder::new_nonstrict(Cursor::new(bytes)).map_err(failed)?;
     let (width, height) = decoder.dimensions();
     let decoded_bytes = decoder.total_bytes();
     if width.max(height) > limits.max_side_px || decoded_bytes > limits.max_bytes {
@@ -103,6 +104,7 @@ fn exr(bytes: &[u8], what: &str, limits: TextureLimits) -> Result<Image<[f32; 3]
 #[cfg(test)]
 mod tests {
     use image::ExtendedColorType;
+    use sheer_core::hash::Pcg32;
 
     use super::*;
     use crate::{Metadata, Planes, encode_exr};
@@ -157,6 +159,13 @@ mod tests {
     }
 
     #[test]
+    fn older_programs_sign_their_files_otherwise() {
+        let bytes = hdr_bytes();
+        let renamed = [b"#?RGBE".as_slice(), &bytes[b"#?RADIANCE".len()..]].concat();
+        assert_eq!(decode(&renamed).unwrap(), decode(&bytes).unwrap());
+    }
+
+    #[test]
     fn what_is_no_radiance_counts_as_none() {
         let odd = [f32::NAN, -1.0, f32::INFINITY];
         let read = decode(&exr_bytes(2, 1, |_, _| odd)).unwrap();
@@ -188,6 +197,41 @@ mod tests {
         let small = TextureLimits { max_bytes: 8 * 4 * 12 - 1, ..TextureLimits::default() };
         let refused = decode_panorama(&hdr_bytes(), "sky", small);
         assert!(matches!(refused, Err(ImageError::TooLarge { .. })), "{refused:?}");
+    }
+
+    #[test]
+    fn damaged_files_end_in_a_picture_or_an_error() {
+        let limits = TextureLimits { max_side_px: 1024, max_bytes: 1 << 24 };
+        let mut random = Pcg32::new(1, 2);
+        let (mut pictures, mut errors) = (0, 0);
+        for whole in [hdr_bytes(), exr_bytes(8, 4, texel)] {
+            for _ in 0..2000 {
+                let mut bytes = whole.clone();
+                for _ in 0..1 + random.next_u32() % 4 {
+                    // The header is the smaller part and the one that counts.
+                    let end = if random.next_u32() % 2 == 0 { bytes.len().min(300) } else { bytes.len() };
+                    let at = random.next_u32() as usize % end;
+                    bytes[at] = random.next_u32() as u8;
+                }
+                match decode_panorama(&bytes, "sky", limits) {
+                    Ok(texels) => {
+                        pictures += 1;
+                        assert!(
+                            texels
+                                .as_slice()
+                                .as_flattened()
+                                .iter()
+                                .all(|value| (0.0..=BRIGHTEST).contains(value))
+                        );
+                    }
+                    Err(error) => {
+                        errors += 1;
+                        assert!(error.to_string().contains("sky"), "{error}");
+                    }
+                }
+            }
+        }
+        assert!(pictures > 100 && errors > 100, "{pictures} pictures, {errors} errors");
     }
 
     #[test]

@@ -89,7 +89,8 @@ impl EnvironmentMap {
     /// # Errors
     /// [`ImageError::Size`] if memory does not suffice.
     pub fn new(panorama: &Image<[f32; 3]>) -> Result<(Self, Option<DistantLight>), ImageError> {
-        let mut seen = panorama.clone();
+        let is_small = panorama.width() <= MOST_COLUMNS;
+        let mut seen = if is_small { panorama.clone() } else { halved(panorama)? };
         while seen.width() > MOST_COLUMNS {
             seen = halved(&seen)?;
         }
