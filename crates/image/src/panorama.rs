@@ -209,7 +209,8 @@ mod tests {
                 let mut bytes = whole.clone();
                 for _ in 0..1 + random.next_u32() % 4 {
                     // The header is the smaller part and the one that counts.
-                    let end = if random.next_u32() % 2 == 0 { bytes.len().min(300) } else { bytes.len() };
+                    let end =
+                        if random.next_u32().is_multiple_of(2) { bytes.len().min(300) } else { bytes.len() };
                     let at = random.next_u32() as usize % end;
                     bytes[at] = random.next_u32() as u8;
                 }
