@@ -56,7 +56,7 @@ impl LightArguments {
 impl LoadArguments {
     /// The library's options.
     pub(crate) fn options(&self) -> LoadOptions {
-        LoadOptions { allowed_folders: self.allowed_folders.clone() }
+        LoadOptions { strict: self.strict, allowed_folders: self.allowed_folders.clone() }
     }
 }
 

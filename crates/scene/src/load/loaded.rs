@@ -46,6 +46,20 @@ pub enum LoadWarning {
         /// What it moves, as the file spells it.
         attribute: String,
     },
+    /// A part that is broken or missing: the rest is shown without it.
+    Lost {
+        /// The part, by its path in the file and its name.
+        place: String,
+        /// What is wrong with it and what to do.
+        problem: String,
+        /// What became of it.
+        outcome: String,
+    },
+    /// There was more to say than anyone reads.
+    More {
+        /// How many warnings were left out.
+        count: usize,
+    },
     /// The file was repaired in a way its author would want, e.g. a normal that was not of unit length.
     Repaired {
         /// The part that was repaired, with index and name.
@@ -69,6 +83,8 @@ impl fmt::Display for LoadWarning {
             Self::MorphIgnored { place, attribute } => {
                 write!(f, "{place}: morph targets of {attribute} have no effect here")
             }
+            Self::Lost { place, problem, outcome } => write!(f, "{place}: {problem}; {outcome}"),
+            Self::More { count } => write!(f, "{count} more warnings of this kind were left out"),
             Self::Repaired { place, what } => write!(f, "{place}: {what}"),
         }
     }

@@ -92,7 +92,16 @@ impl Builder {
 
     /// As a GLB container, loaded.
     pub(crate) fn load(&self) -> Result<Loaded, SceneError> {
-        read_gltf(&self.glb(), Path::new("made/test.glb"), &LoadOptions::default())
+        self.load_with(&LoadOptions::default())
+    }
+
+    /// The same, where anything broken is an error.
+    pub(crate) fn load_strictly(&self) -> Result<Loaded, SceneError> {
+        self.load_with(&LoadOptions { strict: true, ..LoadOptions::default() })
+    }
+
+    fn load_with(&self, options: &LoadOptions) -> Result<Loaded, SceneError> {
+        read_gltf(&self.glb(), Path::new("made/test.glb"), options)
     }
 
     /// The buffer as a file of its own, and the JSON that refers to it.

@@ -7,11 +7,12 @@ use sheer_scene::{LoadOptions, SceneError, load::read_gltf, open, open_with};
 
 use crate::builder::Builder;
 
-/// Loads what `spoil` made of a good file, and checks place and problem of the error.
+/// Loads what `spoil` made of a good file, and checks place and problem of the error; and that the same is
+/// said, in a warning if there is anything left to draw, where only what is sound is asked for.
 fn refused(spoil: impl FnOnce(&mut Builder), place: &str, problems: &[&str]) {
     let mut builder = Builder::triangle();
     spoil(&mut builder);
-    let error = builder.load().expect_err(place);
+    let error = builder.load_strictly().expect_err(place);
     let (SceneError::File { path, place: found_place, problem }
     | SceneError::Limit { path, place: found_place, problem }) = &error
     else {
@@ -22,6 +23,11 @@ fn refused(spoil: impl FnOnce(&mut Builder), place: &str, problems: &[&str]) {
     for part in problems {
         assert!(problem.contains(part), "'{part}' is not in: {error}");
     }
+    let said = match builder.load() {
+        Ok(loaded) => loaded.warnings.iter().map(|warning| format!("{warning}\n")).collect(),
+        Err(error) => error.to_string(),
+    };
+    assert!(said.contains(problem), "'{problem}' is not in: {said}");
 }
 
 #[test]
@@ -63,7 +69,7 @@ fn resources_outside_the_folder_are_refused() {
         let (json, _) = Builder::triangle().separate(uri);
         let error =
             read_gltf(&json, Path::new("made/test.gltf"), &LoadOptions::default()).unwrap_err().to_string();
-        assert!(error.contains("made/test.gltf: buffer 0: "), "{error}");
+        assert!(error.contains("made/test.gltf: buffers[0]: "), "{error}");
         assert!(error.contains("move it there") || error.contains("put it there"), "{error}");
     }
 }
@@ -82,7 +88,8 @@ fn resources_in_allowed_folders_are_read() {
 
     let error = open(&file).unwrap_err().to_string();
     assert!(error.contains(&format!("--allow-folder '{}'", shared.display())), "{error}");
-    let allowing = |folder: &Path| LoadOptions { allowed_folders: vec![folder.to_owned()] };
+    let allowing =
+        |folder: &Path| LoadOptions { allowed_folders: vec![folder.to_owned()], ..LoadOptions::default() };
     assert!(open_with(&file, &allowing(&models)).is_err());
     for allowed in [shared.as_path(), folder.path()] {
         assert_eq!(open_with(&file, &allowing(allowed)).unwrap().scene.parts().meshes.len(), 1);
@@ -118,7 +125,7 @@ fn missing_and_short_files_are_named() {
     assert!(load().contains("data.bin"), "{}", load());
     fs::write(folder.path().join("data.bin"), &binary[..20]).unwrap();
     assert!(
-        load().contains("buffer 0: it should hold 36 bytes but holds 20; the data is cut short"),
+        load().contains("buffers[0]: it should hold 36 bytes but holds 20; the data is cut short"),
         "{}",
         load()
     );
@@ -149,20 +156,24 @@ fn indices_out_of_range_name_their_place() {
     };
     refused(
         spoil,
-        "mesh 0 'Body', primitive 0, indices",
+        "meshes[0].primitives[0].indices ('Body')",
         &["index 3", "only 3 vertices", "export the file again"],
     );
     let spoil = |builder: &mut Builder| builder.attribute("NORMAL", 77);
-    refused(spoil, "mesh 0 'Body', primitive 0, NORMAL", &["accessor 77", "only 1"]);
-    refused(|builder| builder.json["nodes"][0]["mesh"] = json!(5), "node 0 'root'", &["mesh 5", "only 1"]);
+    refused(spoil, "meshes[0].primitives[0].attributes.NORMAL ('Body')", &["accessor 77", "only 1"]);
+    refused(
+        |builder| builder.json["nodes"][0]["mesh"] = json!(5),
+        "nodes[0] ('root')",
+        &["mesh 5", "only 1"],
+    );
     refused(|builder| builder.json["scene"] = json!(9), "scene", &["scene 9"]);
     refused(
         |builder| builder.primitive()["material"] = json!(4),
-        "mesh 0 'Body', primitive 0",
+        "meshes[0].primitives[0] ('Body')",
         &["material 4"],
     );
     refused(|builder| builder.json["accessors"][0]["bufferView"] = json!(8), "POSITION", &["buffer view 8"]);
-    refused(|builder| builder.json["nodes"][0]["children"] = json!([3]), "node 0 'root'", &["node 3"]);
+    refused(|builder| builder.json["nodes"][0]["children"] = json!([3]), "nodes[0] ('root')", &["node 3"]);
 }
 
 #[test]
@@ -173,7 +184,7 @@ fn positions_that_are_not_finite_name_mesh_and_accessor() {
     };
     refused(
         spoil,
-        "mesh 0 'Body', primitive 0, POSITION",
+        "meshes[0].primitives[0].attributes.POSITION ('Body')",
         &["element 1 of accessor 1 is not finite", "repair the mesh"],
     );
 }
@@ -199,18 +210,18 @@ fn counts_beyond_the_data_are_refused() {
             builder.json["accessors"][0] = json!({"componentType": 5126, "type": "VEC3", "count": count});
         }
     };
-    refused(zeros(1 << 40), "accessor 0", &["more than a file of this size may hold", "split the file"]);
-    refused(zeros(u64::MAX), "accessor 0", &["more than a file of this size may hold"]);
+    refused(zeros(1 << 40), "accessors[0]", &["more than a file of this size may hold", "split the file"]);
+    refused(zeros(u64::MAX), "accessors[0]", &["more than a file of this size may hold"]);
     let sparse = |builder: &mut Builder| {
         let sparse = json!({"count": 1_u64 << 40, "indices": {"bufferView": 0, "componentType": 5125}, "values": {"bufferView": 0}});
         builder.json["accessors"][0]["sparse"] = sparse;
     };
-    refused(sparse, "accessor 0", &["sparse", "do not fit"]);
+    refused(sparse, "accessors[0]", &["sparse", "do not fit"]);
     let sparse_index = |builder: &mut Builder| {
         let indices = builder.view(&[200]);
         builder.json["accessors"][0]["sparse"] = json!({"count": 1, "indices": {"bufferView": indices, "componentType": 5121}, "values": {"bufferView": 0}});
     };
-    refused(sparse_index, "accessor 0", &["sparse: index 200"]);
+    refused(sparse_index, "accessors[0]", &["sparse: index 200"]);
 }
 
 #[test]
@@ -232,7 +243,7 @@ fn a_billion_triangles_by_instancing_are_refused() {
         builder.json["nodes"][0]["extensions"] =
             json!({"EXT_mesh_gpu_instancing": {"attributes": {"TRANSLATION": places}}});
     };
-    refused(spoil, "node 0 'root'", &["67108864 triangles", "reduce or split it"]);
+    refused(spoil, "nodes[0] ('root')", &["67108864 triangles", "reduce or split it"]);
 }
 
 #[test]
@@ -240,17 +251,17 @@ fn cycles_and_second_parents_are_refused() {
     let nodes = |nodes: serde_json::Value| move |builder: &mut Builder| builder.json["nodes"] = nodes;
     refused(
         nodes(json!([{"children": [1]}, {"children": [0]}])),
-        "node 0",
+        "nodes[0]",
         &["its own ancestor", "break the cycle"],
     );
-    refused(nodes(json!([{"children": [0]}])), "node 0", &["its own ancestor"]);
+    refused(nodes(json!([{"children": [0]}])), "nodes[0]", &["its own ancestor"]);
     refused(
         nodes(json!([{"children": [2]}, {"children": [2]}, {}])),
-        "node 2",
+        "nodes[2]",
         &["both node 0 and node 1", "one parent"],
     );
     let spoil = |builder: &mut Builder| builder.json["nodes"][0]["translation"] = json!([1e39, 0, 0]);
-    refused(spoil, "node 0 'root'", &["not finite"]);
+    refused(spoil, "nodes[0] ('root')", &["not finite"]);
 }
 
 #[test]
@@ -264,9 +275,9 @@ fn animation_faults_name_the_channel() {
                 "samplers": [{"input": input, "output": output}]}]);
         }
     };
-    refused(spoil(&[1.0, 0.5], 2), "animation 0 'walk', channel 0", &["key 1", "sort the keys"]);
-    refused(spoil(&[0.0, 0.5], 3), "animation 0 'walk', channel 0", &["3 values where its keys need 2"]);
-    refused(spoil(&[f32::NAN], 1), "animation 0 'walk', channel 0", &["key 0"]);
+    refused(spoil(&[1.0, 0.5], 2), "animations[0].channels[0] ('walk')", &["key 1", "sort the keys"]);
+    refused(spoil(&[0.0, 0.5], 3), "animations[0].channels[0] ('walk')", &["3 values where its keys need 2"]);
+    refused(spoil(&[f32::NAN], 1), "animations[0].channels[0] ('walk')", &["key 0"]);
 }
 
 #[test]
@@ -279,12 +290,12 @@ fn skins_without_enough_joints_are_refused() {
         builder.json["skins"] = json!([{"joints": [0]}]);
         builder.json["nodes"][0]["skin"] = json!(0);
     };
-    refused(spoil, "instance 0", &["joint"]);
+    refused(spoil, "nodes[0] ('root')", &["joint 7", "only 1"]);
     let spoil = |builder: &mut Builder| {
         let matrices = builder.floats("MAT4", &[0.0; 16]);
         builder.json["skins"] = json!([{"joints": [0, 0], "inverseBindMatrices": matrices}]);
     };
-    refused(spoil, "skin 0", &["2 joints have only 1"]);
+    refused(spoil, "skins[0]", &["2 joints have only 1"]);
 }
 
 #[test]
@@ -297,12 +308,12 @@ fn images_that_are_no_images_or_bombs_are_refused() {
             builder.material(json!({"emissiveTexture": {"index": 0}}));
         }
     };
-    refused(with_image(b"not an image".to_vec()), "image 0 'wood'", &["PNG, JPEG or WebP"]);
+    refused(with_image(b"not an image".to_vec()), "images[0] ('wood')", &["PNG, JPEG or WebP"]);
     // A PNG header that claims 60,000 pixels a side.
     let mut bomb = b"\x89PNG\r\n\x1A\n\0\0\0\rIHDR\0\0\xEA\x60\0\0\xEA\x60\x08\x06\0\0\0".to_vec();
     bomb.extend(crc(&bomb[12..]).to_be_bytes());
     bomb.extend(b"\0\0\0\0IDAT\x35\xAF\x06\x1E");
-    refused(with_image(bomb), "image 0 'wood'", &["60000x60000", "scale it down"]);
+    refused(with_image(bomb), "images[0] ('wood')", &["60000x60000", "scale it down"]);
 }
 
 /// CRC-32 of a PNG chunk.
@@ -325,9 +336,13 @@ fn compressed_bombs_and_damage_are_refused() {
                 "buffer": 0, "byteOffset": offset, "byteLength": length, "byteStride": 12, "count": count, "mode": "ATTRIBUTES"}});
         }
     };
-    refused(meshopt(1 << 40, &[0xA0; 64]), "buffer view 0", &["more than a file of this size may hold"]);
-    refused(meshopt(1000, &[0xA0; 64]), "buffer view 0", &["meshopt compression", "compress the file again"]);
-    refused(meshopt(3, &[7; 64]), "buffer view 0", &["first byte"]);
+    refused(meshopt(1 << 40, &[0xA0; 64]), "bufferViews[0]", &["more than a file of this size may hold"]);
+    refused(
+        meshopt(1000, &[0xA0; 64]),
+        "bufferViews[0]",
+        &["meshopt compression", "compress the file again"],
+    );
+    refused(meshopt(3, &[7; 64]), "bufferViews[0]", &["first byte"]);
 }
 
 #[cfg(feature = "draco")]
@@ -344,7 +359,7 @@ fn draco_streams_must_hold_what_the_accessors_say() {
                 json!({"KHR_draco_mesh_compression": {"bufferView": data, "attributes": {"POSITION": 0}}});
         }
     };
-    let place = "mesh 0 'Body', primitive 0, KHR_draco_mesh_compression";
+    let place = "meshes[0].primitives[0].extensions.KHR_draco_mesh_compression ('Body')";
     refused(draco(b"DRACO\x02\x02"), place, &["cut short", "compress the file again"]);
     // Four thousand million triangles by edgebreaker.
     refused(

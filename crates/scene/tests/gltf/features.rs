@@ -223,7 +223,7 @@ fn the_first_animation_plays_with_those_that_move_something_else() {
     let Loaded { scene, warnings } = builder.load().unwrap();
     let names: Vec<_> = scene.parts().animations.iter().map(|animation| animation.name.as_str()).collect();
     assert_eq!(names, ["first", "other"]);
-    assert_eq!(warnings, [LoadWarning::AnimationSkipped { place: "animation 1 'again'".to_owned() }]);
+    assert_eq!(warnings, [LoadWarning::AnimationSkipped { place: "animations[1] ('again')".to_owned() }]);
 }
 
 #[test]
@@ -421,7 +421,7 @@ fn transmission_lowers_alpha() {
         let loaded = builder.load().unwrap();
         assert_eq!(
             loaded.warnings,
-            [LoadWarning::TransmissionAsCoverage { material: "material 0 'glass'".to_owned() }]
+            [LoadWarning::TransmissionAsCoverage { material: "materials[0] ('glass')".to_owned() }]
         );
         loaded.scene.parts().materials[0].clone()
     };

@@ -11,3 +11,5 @@ mod faults;
 mod features;
 #[cfg(test)]
 mod mutation;
+#[cfg(test)]
+mod salvage;

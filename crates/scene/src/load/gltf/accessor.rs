@@ -110,6 +110,13 @@ impl Shape {
     }
 }
 
+impl Accessor {
+    /// How many components an element has; 0 of an unknown type.
+    pub(super) fn component_count(&self) -> usize {
+        Shape::from_name(&self.kind).map_or(0, |shape| shape.columns * shape.rows)
+    }
+}
+
 /// An accessor whose bytes have been found and measured.
 struct Source<'d> {
     accessor: &'d Accessor,
@@ -156,16 +163,10 @@ impl Document<'_> {
         Ok(self.floats::<1>(index, place)?.into_iter().map(|[value]| value).collect())
     }
 
-    /// How many components an element has.
-    pub(super) fn component_count(&self, index: Index, place: &str) -> Result<usize, SceneError> {
-        let accessor = self.get(&self.root.accessors, index, "accessor", place)?;
-        Ok(Shape::from_name(&accessor.kind).map_or(0, |shape| shape.columns * shape.rows))
-    }
-
     /// Finds the bytes of an accessor and checks that all elements lie in them.
     fn source(&self, index: Index, wanted: usize, place: &str) -> Result<Source<'_>, SceneError> {
         let accessor = self.get(&self.root.accessors, index, "accessor", place)?;
-        let source_place = format!("accessor {index}");
+        let source_place = format!("accessors[{index}]");
         let fault = |problem: String| self.fault(place, format!("{source_place} {problem}"));
         let component = Component::from_code(accessor.component_type).ok_or_else(|| {
             fault(format!(
@@ -194,7 +195,7 @@ impl Document<'_> {
             let found = strided(view_bytes, accessor.byte_offset, stride, element_bytes, accessor.count);
             bytes = Some(found.ok_or_else(|| {
                 fault(format!(
-                    "asks for {} elements from byte {} on, but buffer view {view} has only {} bytes; the data is cut short, export the file again",
+                    "asks for {} elements from byte {} on, but bufferViews[{view}] has only {} bytes; the data is cut short, export the file again",
                     accessor.count,
                     accessor.byte_offset,
                     view_bytes.len()

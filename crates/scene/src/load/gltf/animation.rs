@@ -5,7 +5,7 @@ use std::collections::HashSet;
 use glam::{Quat, Vec3};
 
 use super::{
-    document::{Document, named},
+    document::Document,
     node::{Hierarchy, unit_rotation},
     schema::{self, Index},
 };
@@ -24,7 +24,7 @@ pub(super) fn read(
     let mut taken: HashSet<(Index, &str)> = HashSet::new();
     let mut animations = Vec::new();
     for (index, animation) in document.root.animations.iter().enumerate() {
-        let place = named("animation", index, animation.name.as_deref());
+        let place = format!("animations[{index}]");
         let targets = || {
             animation
                 .channels
@@ -32,19 +32,21 @@ pub(super) fn read(
                 .filter_map(|channel| Some((channel.target.node?, channel.target.path.as_str())))
         };
         if targets().any(|target| taken.contains(&target)) {
-            document.warn(LoadWarning::AnimationSkipped { place });
+            document.warn(LoadWarning::AnimationSkipped { place: document.titled(&place) });
             continue;
         }
         let mut channels = Vec::with_capacity(animation.channels.len());
         for (number, channel) in animation.channels.iter().enumerate() {
-            let place = format!("{place}, channel {number}");
+            let place = format!("{place}.channels[{number}]");
             let Some(node) = channel.target.node else { continue };
-            let sorted = hierarchy.sorted(document, node, &place)?;
+            let sorted = hierarchy.sorted(document, node, &place);
+            let Some(sorted) = document.salvage(sorted, "left out")? else { continue };
             if !taken.insert((node, &channel.target.path)) {
                 document.repaired(&place, "another channel moves the same property: left out");
                 continue;
             }
-            let Some(track) = read_track(document, animation, channel, node, &place)? else { continue };
+            let track = read_track(document, animation, channel, node, &place);
+            let Some(track) = document.salvage(track, "left out")?.flatten() else { continue };
             if !matches!(track, Track::MorphWeights(_)) {
                 take_apart(document, &mut nodes[sorted as usize], &place);
             }

@@ -18,6 +18,11 @@ use crate::{
     load::{LoadOptions, LoadWarning},
 };
 
+/// Warnings of a file that are said: a file in which everything is wrong would say it of everything.
+const MOST_WARNINGS: usize = 100;
+/// Of a name that a message quotes, characters.
+const LONGEST_NAME: usize = 60;
+
 /// The file while it is being read. Buffers are read when first asked for.
 pub(super) struct Document<'a> {
     pub root: Root,
@@ -31,6 +36,8 @@ pub(super) struct Document<'a> {
     warnings: RefCell<Vec<LoadWarning>>,
     /// Texts of the warnings given.
     warned: RefCell<HashSet<String>>,
+    /// Place and problem of the first part that was lost.
+    first_loss: RefCell<Option<(String, String)>>,
 }
 
 impl<'a> Document<'a> {
@@ -67,6 +74,7 @@ impl<'a> Document<'a> {
             bytes_left: Cell::new(BASE_BYTES + BYTES_PER_INPUT_BYTE * bytes.len() as u64),
             warnings: RefCell::default(),
             warned: RefCell::default(),
+            first_loss: RefCell::default(),
         };
         if is_straightened {
             document
@@ -75,14 +83,76 @@ impl<'a> Document<'a> {
         Ok(document)
     }
 
-    /// An error at a place in this file.
-    pub(super) fn fault(&self, place: impl Into<String>, problem: impl Into<String>) -> SceneError {
-        SceneError::File { path: self.path.to_owned(), place: place.into(), problem: problem.into() }
+    /// An error at a place in this file, given as a path such as `meshes[3].primitives[0]`.
+    pub(super) fn fault(&self, place: impl AsRef<str>, problem: impl Into<String>) -> SceneError {
+        let place = self.titled(place.as_ref());
+        SceneError::File { path: self.path.to_owned(), place, problem: problem.into() }
     }
 
     /// An error at a place that asks for more than the file may take.
-    pub(super) fn limit(&self, place: impl Into<String>, problem: impl Into<String>) -> SceneError {
-        SceneError::Limit { path: self.path.to_owned(), place: place.into(), problem: problem.into() }
+    pub(super) fn limit(&self, place: impl AsRef<str>, problem: impl Into<String>) -> SceneError {
+        let place = self.titled(place.as_ref());
+        SceneError::Limit { path: self.path.to_owned(), place, problem: problem.into() }
+    }
+
+    /// A part of the file, or nothing where it is broken: then `outcome` says in the warning what became of
+    /// it. It stays an error for callers who are strict, and where the file asks for too much.
+    pub(super) fn salvage<T>(
+        &self,
+        part: Result<T, SceneError>,
+        outcome: &str,
+    ) -> Result<Option<T>, SceneError> {
+        match part {
+            Err(SceneError::File { place, problem, .. }) if !self.options.strict => {
+                self.first_loss.borrow_mut().get_or_insert_with(|| (place.clone(), problem.clone()));
+                self.warn(LoadWarning::Lost { place, problem, outcome: outcome.to_owned() });
+                Ok(None)
+            }
+            part => part.map(Some),
+        }
+    }
+
+    /// Warns of a broken part and what became of it, or fails, as [`Self::salvage`] does.
+    pub(super) fn lose(&self, fault: SceneError, outcome: &str) -> Result<(), SceneError> {
+        self.salvage::<()>(Err(fault), outcome).map(|_| ())
+    }
+
+    /// The first part that was lost, as an error.
+    pub(super) fn first_loss(&self) -> Option<SceneError> {
+        let loss = self.first_loss.take();
+        loss.map(|(place, problem)| SceneError::File { path: self.path.to_owned(), place, problem })
+    }
+
+    /// A place with the author's name for the part of the root that it begins with, if it has one:
+    /// `meshes[3].primitives[0] ('Body')`.
+    pub(super) fn titled(&self, place: &str) -> String {
+        match self.name_of(place) {
+            Some(name) if !name.is_empty() => format!("{place} ('{}')", shown(name)),
+            _ => place.to_owned(),
+        }
+    }
+
+    fn name_of(&self, place: &str) -> Option<&str> {
+        let path = place.strip_prefix("extensions.KHR_lights_punctual.").unwrap_or(place);
+        let (array, rest) = path.split_once('[')?;
+        let index: Index = rest.split_once(']')?.0.parse().ok()?;
+        let root = &self.root;
+        match array {
+            "animations" => root.animations.get(index)?.name.as_deref(),
+            "cameras" => root.cameras.get(index)?.name.as_deref(),
+            "images" => {
+                let image = root.images.get(index)?;
+                let file = image.uri.as_deref().filter(|uri| !resource::is_data(uri));
+                image.name.as_deref().filter(|name| !name.is_empty()).or(file)
+            }
+            "lights" => root.extensions.lights_punctual.lights.get(index)?.name.as_deref(),
+            "materials" => root.materials.get(index)?.name.as_deref(),
+            "meshes" => root.meshes.get(index)?.name.as_deref(),
+            "nodes" => root.nodes.get(index)?.name.as_deref(),
+            "skins" => root.skins.get(index)?.name.as_deref(),
+            "textures" => root.textures.get(index)?.name.as_deref(),
+            _ => None,
+        }
     }
 
     /// Adds a warning unless the same one is there already.
@@ -94,11 +164,18 @@ impl<'a> Document<'a> {
 
     /// Warns of something that was wrong in the file and has been put right.
     pub(super) fn repaired(&self, place: &str, what: &str) {
-        self.warn(LoadWarning::Repaired { place: place.to_owned(), what: what.to_owned() });
+        self.warn(LoadWarning::Repaired { place: self.titled(place), what: what.to_owned() });
     }
 
+    /// All warnings, or as many as anyone reads.
     pub(super) fn into_warnings(self) -> Vec<LoadWarning> {
-        self.warnings.into_inner()
+        let mut warnings = self.warnings.into_inner();
+        if warnings.len() > MOST_WARNINGS {
+            let count = warnings.len() - (MOST_WARNINGS - 1);
+            warnings.truncate(MOST_WARNINGS - 1);
+            warnings.push(LoadWarning::More { count });
+        }
+        warnings
     }
 
     /// `list[index]`, or an error that says who referred to it.
@@ -137,7 +214,9 @@ impl<'a> Document<'a> {
         let bytes =
             resource::read_uri(uri, folder, &self.options.allowed_folders).map_err(|error| match error {
                 UriError::Refused(problem) => self.fault(place, problem),
-                UriError::Unreadable(error) => error,
+                UriError::Unreadable(error) => {
+                    self.fault(place, format!("{error}; put it there or correct the name"))
+                }
             })?;
         self.bytes_left.set(self.bytes_left.get() + BYTES_PER_INPUT_BYTE * bytes.len() as u64);
         Ok(bytes)
@@ -146,7 +225,7 @@ impl<'a> Document<'a> {
     /// A buffer, as long as the file says or longer.
     fn buffer(&self, index: Index, place: &str) -> Result<&[u8], SceneError> {
         let buffer = self.get(&self.root.buffers, index, "buffer", place)?;
-        let place = format!("buffer {index}");
+        let place = format!("buffers[{index}]");
         let bytes = match (&buffer.uri, self.binary_chunk) {
             (Some(uri), _) => match self.buffers[index].get() {
                 Some(bytes) => bytes.as_slice(),
@@ -161,14 +240,16 @@ impl<'a> Document<'a> {
                 return Err(self.fault(place, problem));
             }
         };
-        bytes.get(..buffer.byte_length).ok_or_else(|| {
-            let problem = format!(
-                "it should hold {} bytes but holds {}; the data is cut short, copy or export it again",
-                buffer.byte_length,
-                bytes.len()
-            );
-            self.fault(place, problem)
-        })
+        if let Some(whole) = bytes.get(..buffer.byte_length) {
+            return Ok(whole);
+        }
+        let problem = format!(
+            "it should hold {} bytes but holds {}; the data is cut short, copy or export it again",
+            buffer.byte_length,
+            bytes.len()
+        );
+        self.lose(self.fault(place, problem), "what lies beyond is lost")?;
+        Ok(bytes)
     }
 
     /// Part of a buffer.
@@ -192,7 +273,7 @@ impl<'a> Document<'a> {
     /// The bytes of a buffer view, decompressed, and the stride it prescribes.
     pub(super) fn view(&self, index: Index, place: &str) -> Result<(&[u8], Option<usize>), SceneError> {
         let view = self.get(&self.root.buffer_views, index, "buffer view", place)?;
-        let view_place = format!("buffer view {index}");
+        let view_place = format!("bufferViews[{index}]");
         let Some(compressed) = &view.extensions.meshopt else {
             let bytes = self.buffer_range(view.buffer, view.byte_offset, view.byte_length, &view_place)?;
             return Ok((bytes, view.byte_stride));
@@ -223,10 +304,18 @@ fn version_problem(asset: &Asset) -> Option<String> {
     (!is_known).then(|| format!("the file is of glTF version '{version}'; export it as glTF 2.0"))
 }
 
-/// `mesh 3 'Body'`, or `mesh 3` if it has no name.
-pub(super) fn named(what: &str, index: Index, name: Option<&str>) -> String {
-    match name {
-        Some(name) if !name.is_empty() => format!("{what} {index} '{name}'"),
-        _ => format!("{what} {index}"),
+/// A name short enough for a message, without characters that would change how the message is shown.
+fn shown(name: &str) -> String {
+    let mut shown = String::new();
+    for letter in name.chars().take(LONGEST_NAME) {
+        if letter.is_control() {
+            shown.extend(letter.escape_default());
+        } else {
+            shown.push(letter);
+        }
     }
+    if name.chars().nth(LONGEST_NAME).is_some() {
+        shown.push('…');
+    }
+    shown
 }

@@ -45,7 +45,7 @@ pub(super) fn decode(
     place: &str,
 ) -> Result<Option<Decoded>, SceneError> {
     let Some(extension) = &primitive.extensions.draco else { return Ok(None) };
-    let place = format!("{place}, KHR_draco_mesh_compression");
+    let place = format!("{place}.extensions.KHR_draco_mesh_compression");
     let fault = |problem: &str| document.fault(&place, format!("{problem}; compress the file again"));
     let (data, _) = document.view(extension.buffer_view, &place)?;
 

@@ -25,6 +25,19 @@ pub(super) fn is_ktx2(bytes: &[u8]) -> bool {
     bytes.starts_with(&IDENTIFIER)
 }
 
+/// Whether the header of a KTX 2.0 file states more pixels than allowed.
+pub(super) fn is_too_large(bytes: &[u8], limits: TextureLimits) -> bool {
+    let word =
+        |at: usize| bytes.get(at..at + 4).and_then(|word| word.try_into().ok()).map(u32::from_le_bytes);
+    let (Some(width), Some(height)) = (word(20), word(24)) else { return false };
+    exceeds(width, height, limits)
+}
+
+fn exceeds(width: u32, height: u32, limits: TextureLimits) -> bool {
+    let pixels = u64::from(width) * u64::from(height);
+    width.max(height) > limits.max_side_px || pixels * 4 > limits.max_bytes
+}
+
 /// Decodes the largest level. The error says what is wrong and what to do.
 pub(super) fn decode(bytes: &[u8], limits: TextureLimits) -> Result<Image<[u8; 4]>, String> {
     let header = Header::read(bytes, limits)?;
@@ -63,7 +76,7 @@ impl Header {
             );
         }
         let pixels = u64::from(width) * u64::from(height);
-        if pixels == 0 || width.max(height) > limits.max_side_px || pixels * 4 > limits.max_bytes {
+        if pixels == 0 || exceeds(width, height, limits) {
             return Err(format!(
                 "the KTX2 file holds {width}x{height} pixels, above the limit of {} pixels a side and {} bytes: scale it down",
                 limits.max_side_px, limits.max_bytes

@@ -6,7 +6,7 @@ use glam::{Affine2, Vec2, Vec3, Vec4};
 
 use super::{
     bake,
-    document::{Document, named},
+    document::Document,
     image,
     schema::{self, Index, TextureInfo},
     texels::{Source, Texels},
@@ -40,6 +40,8 @@ pub(super) struct Materials<'d, 'a> {
 struct Bake {
     /// Index into the scene's materials.
     material: usize,
+    /// Path of the material in the file.
+    place: String,
     what: BakeKind,
 }
 
@@ -77,13 +79,14 @@ impl<'d, 'a> Materials<'d, 'a> {
     /// Scene index of a material of the file, or of the default one.
     pub(super) fn index(&mut self, material: Option<Index>, place: &str) -> Result<u32, SceneError> {
         let all = &self.document.root.materials;
-        let slot = match material {
+        let found = match material {
             Some(index) => {
-                self.document.get(all, index, "material", place)?;
-                index
+                let found = self.document.get(all, index, "material", place).map(|_| index);
+                self.document.salvage(found, "drawn in the default material")?
             }
-            None => all.len(),
+            None => None,
         };
+        let slot = found.unwrap_or(all.len());
         if let Some(index) = self.index_of[slot] {
             return Ok(index);
         }
@@ -100,7 +103,7 @@ impl<'d, 'a> Materials<'d, 'a> {
 
 impl Materials<'_, '_> {
     fn read(&mut self, index: Index, described: &schema::Material) -> Result<Material, SceneError> {
-        let place = named("material", index, described.name.as_deref());
+        let place = format!("materials[{index}]");
         let fault = |problem: String| {
             self.document.fault(&place, format!("{problem}; correct it and export the file again"))
         };
@@ -109,14 +112,19 @@ impl Materials<'_, '_> {
             None | Some("OPAQUE") => AlphaMode::Opaque,
             Some("MASK") => AlphaMode::Mask { cutoff: described.alpha_cutoff.unwrap_or(0.5) },
             Some("BLEND") => AlphaMode::Blend,
-            Some(other) => return Err(fault(format!("alpha mode '{other}' is not OPAQUE, MASK or BLEND"))),
+            Some(other) => {
+                let fault = fault(format!("alpha mode '{other}' is not OPAQUE, MASK or BLEND"));
+                self.document.lose(fault, "taken for OPAQUE")?;
+                AlphaMode::Opaque
+            }
         };
         let extensions = &described.extensions;
         let strength =
             extensions.emissive_strength.as_ref().map_or(1.0, |emissive| emissive.emissive_strength);
-        let emissive = Vec3::from(described.emissive_factor) * strength;
+        let mut emissive = Vec3::from(described.emissive_factor) * strength;
         if !emissive.is_finite() {
-            return Err(fault("its emissive factor is not finite".to_owned()));
+            self.document.lose(fault("its emissive factor is not finite".to_owned()), "it does not shine")?;
+            emissive = Vec3::ZERO;
         }
         let info =
             |slot: &Option<TextureInfo>, value: fn(&TextureInfo) -> f32| slot.as_ref().map_or(1.0, value);
@@ -128,12 +136,17 @@ impl Materials<'_, '_> {
                 ShadingModel::MetallicRoughness
             },
             alpha_mode,
-            normal_texture: self.texture(&described.normal_texture, false, &place)?,
+            normal_texture: self.texture(&described.normal_texture, false, &place, "normalTexture")?,
             normal_scale: info(&described.normal_texture, |info| info.scale),
-            occlusion_texture: self.texture(&described.occlusion_texture, false, &place)?,
+            occlusion_texture: self.texture(
+                &described.occlusion_texture,
+                false,
+                &place,
+                "occlusionTexture",
+            )?,
             occlusion_strength: info(&described.occlusion_texture, |info| info.strength).clamp(0.0, 1.0),
             emissive,
-            emissive_texture: self.texture(&described.emissive_texture, true, &place)?,
+            emissive_texture: self.texture(&described.emissive_texture, true, &place, "emissiveTexture")?,
             double_sided: described.double_sided,
             ..Material::default()
         };
@@ -149,21 +162,29 @@ impl Materials<'_, '_> {
                 let default = schema::MetallicRoughness::default();
                 let given = given.as_ref().unwrap_or(&default);
                 material.base_colour = self.factor(given.base_color_factor, &place)?;
-                material.base_colour_texture = self.texture(&given.base_color_texture, true, &place)?;
+                material.base_colour_texture =
+                    self.texture(&given.base_color_texture, true, &place, "baseColorTexture")?;
                 material.metallic = unit(given.metallic_factor);
                 material.roughness = unit(given.roughness_factor);
-                material.metallic_roughness_texture =
-                    self.texture(&given.metallic_roughness_texture, false, &place)?;
+                material.metallic_roughness_texture = self.texture(
+                    &given.metallic_roughness_texture,
+                    false,
+                    &place,
+                    "metallicRoughnessTexture",
+                )?;
             }
         }
         // Transmission is drawn as coverage, which is worked out when the images are there.
         if let Some(transmission) = &extensions.transmission {
-            let texture = self.texture(&transmission.transmission_texture, false, &place)?;
+            let texture =
+                self.texture(&transmission.transmission_texture, false, &place, "transmissionTexture")?;
             let factor = unit(transmission.transmission_factor);
             if factor > 0.0 {
-                self.document.warn(LoadWarning::TransmissionAsCoverage { material: place });
+                let material = self.document.titled(&place);
+                self.document.warn(LoadWarning::TransmissionAsCoverage { material });
                 self.bakes.push(Bake {
                     material: self.materials.len(),
+                    place,
                     what: BakeKind::Transmission { strength: TRANSMISSION_SHARE * factor, texture },
                 });
             }
@@ -185,8 +206,10 @@ impl Materials<'_, '_> {
             specular: Vec3::from(glossy.specular_factor).clamp(Vec3::ZERO, Vec3::ONE),
             glossiness: unit(glossy.glossiness_factor),
         };
-        material.base_colour_texture = self.texture(&glossy.diffuse_texture, true, place)?;
-        let texture = self.texture(&glossy.specular_glossiness_texture, true, place)?;
+        material.base_colour_texture =
+            self.texture(&glossy.diffuse_texture, true, place, "diffuseTexture")?;
+        let texture =
+            self.texture(&glossy.specular_glossiness_texture, true, place, "specularGlossinessTexture")?;
         if material.base_colour_texture.is_none() && texture.is_none() {
             let converted = factors.to_metallic();
             material.base_colour = converted.base_colour.extend(diffuse.w);
@@ -195,8 +218,11 @@ impl Materials<'_, '_> {
         } else {
             material.base_colour = Vec3::ONE.extend(diffuse.w);
             (material.metallic, material.roughness) = (1.0, 1.0);
-            self.bakes
-                .push(Bake { material: self.materials.len(), what: BakeKind::Glossy { factors, texture } });
+            self.bakes.push(Bake {
+                material: self.materials.len(),
+                place: place.to_owned(),
+                what: BakeKind::Glossy { factors, texture },
+            });
         }
         Ok(())
     }
@@ -204,25 +230,36 @@ impl Materials<'_, '_> {
     fn factor(&self, factor: [f32; 4], place: &str) -> Result<Vec4, SceneError> {
         let factor = Vec4::from(factor);
         if !factor.is_finite() {
-            return Err(self
-                .document
-                .fault(place, "its colour factor is not finite; correct it and export the file again"));
+            let problem = "its colour factor is not finite; correct it and export the file again";
+            self.document.lose(self.document.fault(place, problem), "taken for white")?;
+            return Ok(Vec4::ONE);
         }
         Ok(factor.max(Vec4::ZERO).min(Vec3::MAX.extend(1.0)))
     }
 
-    /// A use of a texture.
+    /// A use of a texture by a property of the material at a place; nothing where it is broken.
     fn texture(
         &mut self,
         info: &Option<TextureInfo>,
         srgb: bool,
         place: &str,
+        property: &str,
     ) -> Result<Option<TextureRef>, SceneError> {
         let Some(info) = info else { return Ok(None) };
+        let found = self.texture_use(info, srgb, &format!("{place}.{property}"));
+        Ok(self.document.salvage(found, "drawn without it")?.flatten())
+    }
+
+    fn texture_use(
+        &mut self,
+        info: &TextureInfo,
+        srgb: bool,
+        place: &str,
+    ) -> Result<Option<TextureRef>, SceneError> {
         let document = self.document;
         // The image, in the best of the formats that the file offers.
         let described = document.get(&document.root.textures, info.index, "texture", place)?;
-        let texture_place = named("texture", info.index, described.name.as_deref());
+        let texture_place = format!("textures[{}]", info.index);
         let extensions = &described.extensions;
         let Some(image) = extensions.basisu.source.or(extensions.webp.source).or(described.source) else {
             document.repaired(&texture_place, "it has no image in a known format and was left out");
@@ -275,10 +312,11 @@ impl Materials<'_, '_> {
     pub(super) fn finish(mut self) -> Result<(Vec<Material>, Vec<Texture>), SceneError> {
         let mut images =
             image::Images::decode(self.document, self.textures.iter().filter_map(Texels::file_image))?;
-        for bake in std::mem::take(&mut self.bakes) {
-            let material = &mut self.materials[bake.material];
-            let place = format!("material '{}'", material.name);
-            let baked = match bake.what {
+        let mut bakes = std::mem::take(&mut self.bakes);
+        self.forget_lost(&images, &mut bakes);
+        for Bake { material, place, what } in bakes {
+            let material = &mut self.materials[material];
+            let baked = match what {
                 BakeKind::Transmission { strength, texture } => {
                     bake::transmission(material, strength, texture, &self.textures, &mut images)
                 }
@@ -286,11 +324,26 @@ impl Materials<'_, '_> {
                     bake::glossy(material, factors, texture, &self.textures, &mut images)
                 }
             };
-            let mut baked = baked.map_err(|problem| self.document.fault(place, problem))?;
+            let mut baked = baked.map_err(|problem| self.document.limit(place, problem))?;
             baked.assign(material, self.textures.len() as u32);
             self.textures.append(&mut baked.textures);
         }
         Ok(self.keep_used(&images))
+    }
+
+    /// Takes away the textures whose images are lost.
+    fn forget_lost(&mut self, images: &image::Images, bakes: &mut [Bake]) {
+        let textures = &self.textures;
+        let is_lost = |used: &mut TextureRef| !images.has(&textures[used.texture as usize].source);
+        for material in &mut self.materials {
+            for slot in slots(material) {
+                slot.take_if(is_lost);
+            }
+        }
+        for bake in bakes {
+            let (BakeKind::Transmission { texture, .. } | BakeKind::Glossy { texture, .. }) = &mut bake.what;
+            texture.take_if(is_lost);
+        }
     }
 
     /// Leaves out the textures that only served to make others.
@@ -298,14 +351,7 @@ impl Materials<'_, '_> {
         let mut kept = Vec::new();
         let mut new_index = vec![None; self.textures.len()];
         for material in &mut self.materials {
-            let slots = [
-                &mut material.base_colour_texture,
-                &mut material.metallic_roughness_texture,
-                &mut material.normal_texture,
-                &mut material.occlusion_texture,
-                &mut material.emissive_texture,
-            ];
-            for used in slots.into_iter().flatten() {
+            for used in slots(material).into_iter().flatten() {
                 let old = used.texture as usize;
                 used.texture = *new_index[old].get_or_insert_with(|| {
                     kept.push(decoded(&self.textures[old], images));
@@ -315,6 +361,17 @@ impl Materials<'_, '_> {
         }
         (self.materials, kept)
     }
+}
+
+/// All places of a material for a texture.
+fn slots(material: &mut Material) -> [&mut Option<TextureRef>; 5] {
+    [
+        &mut material.base_colour_texture,
+        &mut material.metallic_roughness_texture,
+        &mut material.normal_texture,
+        &mut material.occlusion_texture,
+        &mut material.emissive_texture,
+    ]
 }
 
 fn unit(factor: f32) -> f32 {

@@ -5,9 +5,9 @@ use glam::{Vec2, Vec3, Vec4};
 #[cfg(feature = "draco")]
 use super::draco;
 use super::{
-    document::{Document, named},
+    document::Document,
     material::Materials,
-    schema::{Index, Primitive},
+    schema::{Accessor, Index, Primitive},
     topology::{self, Topology},
 };
 use crate::{
@@ -36,6 +36,32 @@ pub(super) struct DrawnPrimitive {
     pub mesh: u32,
     /// Index in the glTF mesh.
     pub geometry: u32,
+    /// How many joints a skin must have for it; 0 of a mesh without joints.
+    joint_count: usize,
+}
+
+impl DrawnPrimitive {
+    /// Whether a skin of so many joints can bend it.
+    pub(super) fn hangs_on(
+        self,
+        document: &Document<'_>,
+        node_place: &str,
+        joint_count: usize,
+    ) -> Result<bool, SceneError> {
+        if self.joint_count == 0 {
+            document.repaired(node_place, "it has a skin, but its mesh has no joints: drawn as a rigid mesh");
+            return Ok(false);
+        }
+        if self.joint_count > joint_count {
+            let problem = format!(
+                "its mesh hangs on joint {}, but its skin has only {joint_count}; bind the skin anew and export the file again",
+                self.joint_count - 1
+            );
+            document.lose(document.fault(node_place, problem), "drawn as a rigid mesh")?;
+            return Ok(false);
+        }
+        Ok(true)
+    }
 }
 
 impl<'d, 'a> Library<'d, 'a> {
@@ -57,14 +83,18 @@ impl<'d, 'a> Library<'d, 'a> {
         }
         let mut drawn = Vec::new();
         for (number, primitive) in mesh.primitives.iter().enumerate() {
-            let place = format!("{}, primitive {number}", named("mesh", index, mesh.name.as_deref()));
-            let reader = Reader::new(self.document, primitive, place)?;
-            if let Some(mut read) = reader.mesh()? {
-                read.name = mesh.name.clone().unwrap_or_default();
-                read.material = materials.index(primitive.material, &reader.place)?;
-                drawn.push(DrawnPrimitive { mesh: meshes.len() as u32, geometry: number as u32 });
-                meshes.push(read);
-            }
+            let place = format!("meshes[{index}].primitives[{number}]");
+            let read = Reader::new(self.document, primitive, place.clone()).and_then(|reader| reader.mesh());
+            let Some(mut read) = self.document.salvage(read, "not drawn")?.flatten() else { continue };
+            read.name = mesh.name.clone().unwrap_or_default();
+            read.material = materials.index(primitive.material, &place)?;
+            let joints = read.influences.iter().map(|influence| usize::from(influence.joint) + 1);
+            drawn.push(DrawnPrimitive {
+                mesh: meshes.len() as u32,
+                geometry: number as u32,
+                joint_count: joints.max().unwrap_or(0),
+            });
+            meshes.push(read);
         }
         self.read[index] = Some(drawn.clone());
         Ok(drawn)
@@ -99,7 +129,8 @@ impl<'d, 'a> Reader<'d, 'a> {
         let topology = match Topology::from_code(self.primitive.mode.unwrap_or(4)) {
             Ok(topology) => topology,
             Err(Some(mode)) => {
-                document.warn(LoadWarning::NotTriangles { place: self.place.clone(), mode: mode.to_owned() });
+                let place = document.titled(&self.place);
+                document.warn(LoadWarning::NotTriangles { place, mode: mode.to_owned() });
                 return Ok(None);
             }
             Err(None) => {
@@ -113,12 +144,19 @@ impl<'d, 'a> Reader<'d, 'a> {
             document.repaired(&self.place, "it has no positions and is not drawn");
             return Ok(None);
         };
-        let positions: Vec<Vec3> = positions.into_iter().map(Vec3::from).collect();
+        let mut positions: Vec<Vec3> = positions.into_iter().map(Vec3::from).collect();
+        let mut indices = self.triangles(topology, positions.len())?;
         if let Some(vertex) = positions.iter().position(|position| !position.is_finite()) {
-            return Err(self.not_finite("POSITION", vertex));
+            document
+                .lose(self.not_finite("POSITION", vertex), "the triangles of such vertices are not drawn")?;
+            indices.retain(|corners| corners.iter().all(|&at| positions[at as usize].is_finite()));
+            // Where no triangle refers to them, they are to change nothing.
+            let first = indices.first().map_or(Vec3::ZERO, |corners| positions[corners[0] as usize]);
+            positions
+                .iter_mut()
+                .filter(|position| !position.is_finite())
+                .for_each(|position| *position = first);
         }
-        let vertex_count = positions.len();
-        let indices = self.triangles(topology, vertex_count)?;
         if indices.is_empty() {
             return Ok(None);
         }
@@ -132,22 +170,27 @@ impl<'d, 'a> Reader<'d, 'a> {
     }
 
     fn triangles(&self, topology: Topology, vertex_count: usize) -> Result<Vec<[u32; 3]>, SceneError> {
-        let place = format!("{}, indices", self.place);
+        let place = format!("{}.indices", self.place);
         let listed = self.indices(&place)?;
-        if let Some(wild) = listed.iter().flatten().find(|&&index| index as usize >= vertex_count) {
+        let wild = listed.iter().flatten().find(|&&index| index as usize >= vertex_count);
+        if let Some(wild) = wild {
             let problem =
                 format!("index {wild} refers to one of only {vertex_count} vertices; export the file again");
-            return Err(self.document.fault(place, problem));
+            self.document.lose(self.document.fault(&place, problem), "such triangles are not drawn")?;
         }
         let count = listed.as_ref().map_or(vertex_count, Vec::len);
         self.document.charge(topology.triangle_count(count), size_of::<[u32; 3]>(), &place)?;
         if topology.leftover(count) > 0 {
             self.document.repaired(&place, "the last triangle is not complete and was left out");
         }
-        Ok(match listed {
+        let mut triangles = match &listed {
             Some(listed) => topology::triangles(topology, count, |at| listed[at]),
             None => topology::triangles(topology, count, |at| at as u32),
-        })
+        };
+        if wild.is_some() {
+            triangles.retain(|corners| corners.iter().all(|&index| (index as usize) < vertex_count));
+        }
+        Ok(triangles)
     }
 
     fn indices(&self, place: &str) -> Result<Option<Vec<u32>>, SceneError> {
@@ -163,14 +206,14 @@ impl<'d, 'a> Reader<'d, 'a> {
     /// Reads normals and tangents, and makes them unit vectors.
     fn read_frame(&self, mesh: &mut Mesh) -> Result<(), SceneError> {
         let vertex_count = mesh.positions.len();
-        let Some(normals) = self.sized_floats::<3>("NORMAL", vertex_count)? else { return Ok(()) };
+        let Some(normals) = self.sound_floats::<3>("NORMAL", vertex_count)? else { return Ok(()) };
         mesh.normals = normals.into_iter().map(|normal| Vec3::from(normal).normalize_or_zero()).collect();
         if mesh.normals.contains(&Vec3::ZERO) {
             fill_missing_normals(mesh);
             self.document.repaired(&self.place, "normals without direction were made from the triangles");
         }
         // Without normals tangents mean nothing (glTF 2.0, 3.7.2.1).
-        let Some(tangents) = self.sized_floats::<4>("TANGENT", vertex_count)? else { return Ok(()) };
+        let Some(tangents) = self.sound_floats::<4>("TANGENT", vertex_count)? else { return Ok(()) };
         let tangents: Vec<Vec4> = tangents
             .into_iter()
             .map(Vec4::from)
@@ -191,12 +234,12 @@ impl<'d, 'a> Reader<'d, 'a> {
         let vertex_count = mesh.positions.len();
         for set in 0..MAX_UV_SETS {
             let name = format!("TEXCOORD_{set}");
-            let Some(uvs) = self.sized_floats::<2>(&name, vertex_count)? else { continue };
+            let Some(uvs) = self.sound_floats::<2>(&name, vertex_count)? else { continue };
             let mut uvs: Vec<Vec2> = uvs.into_iter().map(Vec2::from).collect();
             if uvs.iter().any(|uv| !uv.is_finite()) {
                 uvs.iter_mut().filter(|uv| !uv.is_finite()).for_each(|uv| *uv = Vec2::ZERO);
                 self.document.repaired(
-                    &format!("{}, {name}", self.place),
+                    &format!("{}.attributes.{name}", self.place),
                     "coordinates that were not finite became 0",
                 );
             }
@@ -215,17 +258,21 @@ impl<'d, 'a> Reader<'d, 'a> {
     fn read_colours(&self, mesh: &mut Mesh) -> Result<(), SceneError> {
         let Some(&accessor) = self.primitive.attributes.get("COLOR_0") else { return Ok(()) };
         let vertex_count = mesh.positions.len();
-        let colours = match self.document.component_count(accessor, &self.place)? {
-            3 => {
-                let opaque = |[r, g, b]: [f32; 3]| [r, g, b, 1.0];
-                self.sized_floats::<3>("COLOR_0", vertex_count)?
-                    .map(|rgb| rgb.into_iter().map(opaque).collect())
-            }
-            _ => self.sized_floats::<4>("COLOR_0", vertex_count)?,
+        // An accessor that is not there has no components; reading it says so.
+        let components = self.document.root.accessors.get(accessor).map_or(0, Accessor::component_count);
+        let colours = if components == 3 {
+            let opaque = |[r, g, b]: [f32; 3]| [r, g, b, 1.0];
+            self.sound_floats::<3>("COLOR_0", vertex_count)?.map(|rgb| rgb.into_iter().map(opaque).collect())
+        } else {
+            self.sound_floats::<4>("COLOR_0", vertex_count)?
         };
         mesh.colours = colours.unwrap_or_default().into_iter().map(Vec4::from).collect();
         if let Some(vertex) = mesh.colours.iter().position(|colour| !colour.is_finite()) {
-            return Err(self.not_finite("COLOR_0", vertex));
+            self.document.lose(self.not_finite("COLOR_0", vertex), "such colours became white")?;
+            mesh.colours
+                .iter_mut()
+                .filter(|colour| !colour.is_finite())
+                .for_each(|colour| *colour = Vec4::ONE);
         }
         for colour in &mut mesh.colours {
             *colour = colour.max(Vec4::ZERO).min(Vec3::MAX.extend(1.0));
@@ -234,7 +281,14 @@ impl<'d, 'a> Reader<'d, 'a> {
     }
 
     fn read_influences(&self, mesh: &mut Mesh) -> Result<(), SceneError> {
-        let vertex_count = mesh.positions.len();
+        let influences = self.influences(mesh.positions.len());
+        let influences = self.document.salvage(influences, "drawn as a rigid mesh")?;
+        (mesh.influences, mesh.influences_per_vertex) = influences.unwrap_or_default();
+        Ok(())
+    }
+
+    /// The joints that pull each vertex, and how many there are a vertex.
+    fn influences(&self, vertex_count: usize) -> Result<(Vec<Influence>, usize), SceneError> {
         let mut sets = Vec::new();
         for set in 0..MAX_JOINT_SETS {
             let joints = self.sized_integers(&format!("JOINTS_{set}"), vertex_count)?;
@@ -242,22 +296,15 @@ impl<'d, 'a> Reader<'d, 'a> {
             let (Some(joints), Some(weights)) = (joints, weights) else { break };
             sets.push((joints, weights));
         }
-        if sets.is_empty() {
-            return Ok(());
-        }
-        mesh.influences_per_vertex = 4 * sets.len();
-        self.document.charge(
-            vertex_count * mesh.influences_per_vertex,
-            size_of::<Influence>(),
-            &self.place,
-        )?;
-        mesh.influences.reserve_exact(vertex_count * mesh.influences_per_vertex);
+        let per_vertex = 4 * sets.len();
+        self.document.charge(vertex_count * per_vertex, size_of::<Influence>(), &self.place)?;
+        let mut influences = Vec::with_capacity(vertex_count * per_vertex);
         for vertex in 0..vertex_count {
-            let start = mesh.influences.len();
+            let start = influences.len();
             for (set, (joints, weights)) in sets.iter().enumerate() {
                 for (&joint, &weight) in joints[vertex].iter().zip(&weights[vertex]) {
                     if joint > MAX_JOINT {
-                        let place = format!("{}, JOINTS_{set}", self.place);
+                        let place = format!("{}.attributes.JOINTS_{set}", self.place);
                         let problem = format!(
                             "vertex {vertex} hangs on joint {joint}, but there are at most 65536; export the file again"
                         );
@@ -269,12 +316,12 @@ impl<'d, 'a> Reader<'d, 'a> {
                     // A joint without weight may be any number in the file.
                     let pulls = weight > 0.0;
                     let joint = if pulls { joint as u16 } else { 0 };
-                    mesh.influences.push(Influence { joint, weight: weight.max(0.0) });
+                    influences.push(Influence { joint, weight: weight.max(0.0) });
                 }
             }
-            normalise_weights(&mut mesh.influences[start..]);
+            normalise_weights(&mut influences[start..]);
         }
-        Ok(())
+        Ok((influences, per_vertex))
     }
 
     fn read_morph_targets(&self, mesh: &mut Mesh) -> Result<(), SceneError> {
@@ -282,14 +329,22 @@ impl<'d, 'a> Reader<'d, 'a> {
         for (number, target) in self.primitive.targets.iter().enumerate() {
             let displacements = |name: &str, used: bool| -> Result<Vec<Vec3>, SceneError> {
                 let Some(&accessor) = target.get(name).filter(|_| used) else { return Ok(Vec::new()) };
-                let place = format!("{}, morph target {number}, {name}", self.place);
-                let deltas = self.document.floats::<3>(accessor, &place)?;
-                self.check_count(deltas.len(), vertex_count, &place)?;
-                let deltas: Vec<Vec3> = deltas.into_iter().map(Vec3::from).collect();
-                match deltas.iter().position(|delta| !delta.is_finite()) {
-                    Some(vertex) => Err(self.document.fault(place, not_finite_text(accessor, vertex))),
-                    None => Ok(deltas),
+                let place = format!("{}.targets[{number}].{name}", self.place);
+                let deltas = self.document.floats::<3>(accessor, &place).and_then(|deltas| {
+                    self.check_count(deltas.len(), vertex_count, &place)?;
+                    Ok(deltas)
+                });
+                let deltas = self.document.salvage(deltas, "it does not move")?.unwrap_or_default();
+                let mut deltas: Vec<Vec3> = deltas.into_iter().map(Vec3::from).collect();
+                if let Some(vertex) = deltas.iter().position(|delta| !delta.is_finite()) {
+                    let fault = self.document.fault(place, not_finite_text(accessor, vertex));
+                    self.document.lose(fault, "such vertices do not move")?;
+                    deltas
+                        .iter_mut()
+                        .filter(|delta| !delta.is_finite())
+                        .for_each(|delta| *delta = Vec3::ZERO);
                 }
+                Ok(deltas)
             };
             let morphs = MorphTarget {
                 positions: displacements("POSITION", true)?,
@@ -297,7 +352,7 @@ impl<'d, 'a> Reader<'d, 'a> {
             };
             mesh.morph_targets.push(morphs);
             for attribute in target.keys().filter(|name| !["POSITION", "NORMAL"].contains(&name.as_str())) {
-                let (place, attribute) = (self.place.clone(), attribute.clone());
+                let (place, attribute) = (self.document.titled(&self.place), attribute.clone());
                 self.document.warn(LoadWarning::MorphIgnored { place, attribute });
             }
         }
@@ -307,7 +362,7 @@ impl<'d, 'a> Reader<'d, 'a> {
     /// An attribute, if the primitive has it.
     fn floats<const N: usize>(&self, name: &str) -> Result<Option<Vec<[f32; N]>>, SceneError> {
         let Some(&accessor) = self.primitive.attributes.get(name) else { return Ok(None) };
-        let place = format!("{}, {name}", self.place);
+        let place = format!("{}.attributes.{name}", self.place);
         #[cfg(feature = "draco")]
         if let Some(attribute) = self.draco.as_ref().and_then(|decoded| decoded.attributes.get(name)) {
             let normalised =
@@ -324,14 +379,24 @@ impl<'d, 'a> Reader<'d, 'a> {
     ) -> Result<Option<Vec<[f32; N]>>, SceneError> {
         let values = self.floats(name)?;
         if let Some(values) = &values {
-            self.check_count(values.len(), vertex_count, &format!("{}, {name}", self.place))?;
+            self.check_count(values.len(), vertex_count, &format!("{}.attributes.{name}", self.place))?;
         }
         Ok(values)
     }
 
+    /// The same, or nothing where the attribute is broken.
+    fn sound_floats<const N: usize>(
+        &self,
+        name: &str,
+        vertex_count: usize,
+    ) -> Result<Option<Vec<[f32; N]>>, SceneError> {
+        let values = self.sized_floats(name, vertex_count);
+        Ok(self.document.salvage(values, "drawn without it")?.flatten())
+    }
+
     fn sized_integers(&self, name: &str, vertex_count: usize) -> Result<Option<Vec<[u32; 4]>>, SceneError> {
         let Some(&accessor) = self.primitive.attributes.get(name) else { return Ok(None) };
-        let place = format!("{}, {name}", self.place);
+        let place = format!("{}.attributes.{name}", self.place);
         #[cfg(feature = "draco")]
         if let Some(attribute) = self.draco.as_ref().and_then(|decoded| decoded.attributes.get(name)) {
             let values = attribute.integers(self.document, &place)?;
@@ -353,7 +418,7 @@ impl<'d, 'a> Reader<'d, 'a> {
 
     fn not_finite(&self, name: &str, vertex: usize) -> SceneError {
         let accessor = self.primitive.attributes.get(name).copied().unwrap_or_default();
-        self.document.fault(format!("{}, {name}", self.place), not_finite_text(accessor, vertex))
+        self.document.fault(format!("{}.attributes.{name}", self.place), not_finite_text(accessor, vertex))
     }
 }
 

@@ -105,14 +105,22 @@ pub(super) fn load_slice(bytes: &[u8], path: &Path, options: &LoadOptions) -> Re
         ..SceneParts::default()
     };
     let hierarchy = node::Hierarchy::build(&document)?;
-    parts.nodes = hierarchy.nodes(&document)?;
+    parts.nodes = hierarchy.nodes(&document);
     parts.cameras = hierarchy.cameras(&document)?;
     parts.lights = hierarchy.lights(&document)?;
     parts.animations = animation::read(&document, &hierarchy, &mut parts.nodes)?;
-    parts.skins = hierarchy.skins(&document)?;
+    let skins = hierarchy.skins(&document)?;
     let mut materials = material::Materials::new(&document);
-    hierarchy.place_meshes(&document, &mut materials, &mut parts)?;
+    hierarchy.place_meshes(&document, &mut materials, &skins, &mut parts)?;
+    parts.skins = skins.sound;
     (parts.materials, parts.textures) = materials.finish()?;
+
+    // A file of which nothing is left is an error.
+    if parts.instances.is_empty()
+        && let Some(error) = document.first_loss()
+    {
+        return Err(error);
+    }
 
     let scene = Scene::new(parts).map_err(|error| match error {
         SceneError::Invalid { place, problem, .. } => document.fault(place, problem),

@@ -5,7 +5,7 @@ use std::collections::{HashMap, HashSet};
 use glam::{Affine3A, Mat4, Quat, Vec3};
 
 use super::{
-    document::{Document, named},
+    document::Document,
     limits::MAX_DRAWN_TRIANGLES,
     material::Materials,
     mesh,
@@ -26,65 +26,69 @@ pub(super) struct Hierarchy {
     sorted: Vec<u32>,
     /// Sorted index of the parent of each sorted node.
     parents: Vec<Option<u32>>,
+    /// `parent_from_node` of each sorted node at rest.
+    transforms: Vec<Transform>,
     /// Whether each sorted node belongs to the scene shown, and is not hidden.
     shown: Vec<bool>,
 }
 
 /// A node in messages.
-pub(super) fn place(document: &Document<'_>, index: Index) -> String {
-    named("node", index, document.root.nodes.get(index).and_then(|node| node.name.as_deref()))
+pub(super) fn place(index: Index) -> String {
+    format!("nodes[{index}]")
 }
 
 impl Hierarchy {
     pub(super) fn build(document: &Document<'_>) -> Result<Self, SceneError> {
         let nodes = &document.root.nodes;
+        let (mut parent_of, mut children) = family(document)?;
 
-        // Each node has at most one parent.
-        let mut parent_of: Vec<Option<Index>> = vec![None; nodes.len()];
-        for (index, node) in nodes.iter().enumerate() {
-            for &child in &node.children {
-                document.get(nodes, child, "node", &place(document, index))?;
-                if let Some(other) = parent_of[child].replace(index) {
-                    let problem = format!(
-                        "it is a child of both node {other} and node {index}; a node has one parent, export the file again"
-                    );
-                    return Err(document.fault(place(document, child), problem));
-                }
-            }
-        }
-
-        // Breadth first from the roots; what is not reached hangs on itself.
+        // Breadth first from the roots. What is not reached hangs on itself: it is cut loose.
         let mut order: Vec<Index> = (0..nodes.len()).filter(|&index| parent_of[index].is_none()).collect();
         let mut sorted = vec![u32::MAX; nodes.len()];
-        let mut at = 0;
-        while let Some(&index) = order.get(at) {
-            sorted[index] = at as u32;
-            order.extend(&nodes[index].children);
-            at += 1;
-        }
-        if let Some(index) = sorted.iter().position(|&at| at == u32::MAX) {
+        let (mut at, mut reached) = (0, 0);
+        loop {
+            while let Some(&index) = order.get(at) {
+                sorted[index] = at as u32;
+                order.extend(&children[index]);
+                at += 1;
+            }
+            reached += sorted[reached..].iter().take_while(|&&at| at != u32::MAX).count();
+            if reached == nodes.len() {
+                break;
+            }
             let problem = "it is its own ancestor; break the cycle and export the file again";
-            return Err(document.fault(place(document, index), problem));
+            document.lose(document.fault(place(reached), problem), "taken out of its parent")?;
+            if let Some(parent) = parent_of[reached].take() {
+                children[parent].retain(|&child| child != reached);
+            }
+            order.push(reached);
         }
         let parents: Vec<Option<u32>> =
             order.iter().map(|&index| parent_of[index].map(|parent| sorted[parent])).collect();
 
         // The scene shown; a file without scenes shows all it has.
-        let scenes = &document.root.scenes;
-        let scene = match document.root.scene {
-            Some(index) => Some(document.get(scenes, index, "scene", "scene")?),
-            None => scenes.first(),
-        };
-        let mut shown: Vec<bool> = parents.iter().map(|parent| scene.is_none() && parent.is_none()).collect();
-        for &root in scene.map_or(&[][..], |scene| &scene.nodes) {
-            document.get(nodes, root, "node", "scene")?;
-            shown[sorted[root] as usize] = true;
+        let mut shown = vec![false; nodes.len()];
+        match scene_shown(document)? {
+            None => shown.iter_mut().zip(&parents).for_each(|(shown, parent)| *shown = parent.is_none()),
+            Some(scene) => {
+                for &root in &scene.nodes {
+                    let sorted = document.get(&sorted, root, "node", "scene");
+                    if let Some(&sorted) = document.salvage(sorted, "left out")? {
+                        shown[sorted as usize] = true;
+                    }
+                }
+            }
         }
+        let mut transforms = Vec::with_capacity(nodes.len());
         for (at, &index) in order.iter().enumerate() {
+            let read = transform(document, &nodes[index], &place(index));
+            let read = document.salvage(read, "it and what hangs on it are not drawn")?;
             let inherited = parents[at].is_some_and(|parent| shown[parent as usize]);
-            shown[at] = (shown[at] || inherited) && nodes[index].extensions.visibility.visible;
+            shown[at] =
+                (shown[at] || inherited) && nodes[index].extensions.visibility.visible && read.is_some();
+            transforms.push(read.unwrap_or(Transform::IDENTITY));
         }
-        Ok(Self { order, sorted, parents, shown })
+        Ok(Self { order, sorted, parents, transforms, shown })
     }
 
     /// Sorted index of a node of the file.
@@ -97,14 +101,10 @@ impl Hierarchy {
         document.get(&self.sorted, index, "node", place).copied()
     }
 
-    pub(super) fn nodes(&self, document: &Document<'_>) -> Result<Vec<Node>, SceneError> {
-        let mut nodes = Vec::with_capacity(self.order.len());
-        for (&index, &parent) in self.order.iter().zip(&self.parents) {
-            let node = &document.root.nodes[index];
-            let transform = transform(document, node, &place(document, index))?;
-            nodes.push(Node { name: node.name.clone().unwrap_or_default(), parent, transform });
-        }
-        Ok(nodes)
+    pub(super) fn nodes(&self, document: &Document<'_>) -> Vec<Node> {
+        let name = |index: Index| document.root.nodes[index].name.clone().unwrap_or_default();
+        let nodes = self.order.iter().zip(&self.parents).zip(&self.transforms);
+        nodes.map(|((&index, &parent), &transform)| Node { name: name(index), parent, transform }).collect()
     }
 
     /// The nodes shown, with their sorted index and file index.
@@ -125,31 +125,11 @@ impl Hierarchy {
         let mut cameras = Vec::new();
         let mut names = Names::default();
         for (camera, node, at) in hung {
-            let described = document.get(&document.root.cameras, camera, "camera", &place(document, node))?;
-            let camera_place = named("camera", camera, described.name.as_deref());
-            let fault = |problem: &str| {
-                document.fault(&camera_place, format!("{problem}; set it and export the file again"))
-            };
-            let lens = match (&described.perspective, &described.orthographic) {
-                (Some(lens), _) => {
-                    let valid = lens.yfov > 0.0 && lens.yfov < std::f32::consts::PI;
-                    valid
-                        .then_some(Lens::Perspective { yfov_rad: lens.yfov })
-                        .ok_or_else(|| fault("yfov is not between 0 and π"))?
-                }
-                (None, Some(lens)) => {
-                    // A negative magnification mirrors; its size is what is meant.
-                    let half_height = lens.ymag.abs();
-                    let valid = half_height > 0.0 && half_height.is_finite();
-                    valid
-                        .then_some(Lens::Orthographic { half_height })
-                        .ok_or_else(|| fault("ymag is zero"))?
-                }
-                (None, None) => return Err(fault("it is neither perspective nor orthographic")),
-            };
-            let given = [&described.name, &document.root.nodes[node].name].into_iter().flatten();
+            let Some(lens) = document.salvage(lens(document, camera, node), "left out")? else { continue };
+            let given = [&document.root.cameras[camera].name, &document.root.nodes[node].name];
             let base = given
                 .into_iter()
+                .flatten()
                 .find(|name| !name.is_empty())
                 .cloned()
                 .unwrap_or_else(|| format!("camera{camera}"));
@@ -162,65 +142,52 @@ impl Hierarchy {
     pub(super) fn lights(&self, document: &Document<'_>) -> Result<Vec<Light>, SceneError> {
         let mut lights = Vec::new();
         for (at, index, node) in self.shown(document) {
-            let Some(hung) = &node.extensions.light else { continue };
-            let all = &document.root.extensions.lights_punctual.lights;
-            let light = document.get(all, hung.light, "light", &place(document, index))?;
-            let light_place = named("light", hung.light, light.name.as_deref());
-            let fault = |problem: String| {
-                document.fault(&light_place, format!("{problem}; correct it and export the file again"))
-            };
-            let intensity = Vec3::from(light.color) * light.intensity;
-            if !intensity.is_finite() || intensity.min_element() < 0.0 {
-                return Err(fault("its colour or intensity is negative or not finite".to_owned()));
+            if let Some(hung) = &node.extensions.light {
+                lights.extend(document.salvage(light(document, hung.light, index, at), "left out")?);
             }
-            let range = light.range.filter(|&range| range > 0.0).unwrap_or(f32::INFINITY);
-            let kind = match light.kind.as_str() {
-                "directional" => LightKind::Directional,
-                "point" => LightKind::Point { range },
-                "spot" => {
-                    let outer = light.spot.outer_cone_angle.clamp(1e-4, std::f32::consts::FRAC_PI_2);
-                    let inner = light.spot.inner_cone_angle.clamp(0.0, outer);
-                    LightKind::Spot { range, inner_cone_rad: inner, outer_cone_rad: outer }
-                }
-                other => return Err(fault(format!("its type '{other}' is not directional, point or spot"))),
-            };
-            lights.push(Light { name: light.name.clone().unwrap_or_default(), node: at, intensity, kind });
         }
         Ok(lights)
     }
 
-    pub(super) fn skins(&self, document: &Document<'_>) -> Result<Vec<Skin>, SceneError> {
-        let mut skins = Vec::with_capacity(document.root.skins.len());
+    pub(super) fn skins(&self, document: &Document<'_>) -> Result<Skins, SceneError> {
+        let mut skins = Skins::default();
         for (index, skin) in document.root.skins.iter().enumerate() {
-            let skin_place = named("skin", index, skin.name.as_deref());
-            let joints = skin
-                .joints
-                .iter()
-                .map(|&joint| self.sorted(document, joint, &skin_place))
-                .collect::<Result<Vec<_>, _>>()?;
-            let inverse_bind = match skin.inverse_bind_matrices {
-                None => vec![Affine3A::IDENTITY; joints.len()],
-                Some(accessor) => {
-                    let matrices = document.floats::<16>(accessor, &skin_place)?;
-                    let matrices = matrices.get(..joints.len()).ok_or_else(|| {
-                        let problem = format!(
-                            "{} joints have only {} inverse bind matrices; export the file again",
-                            joints.len(),
-                            matrices.len()
-                        );
-                        document.fault(&skin_place, problem)
-                    })?;
-                    matrices.iter().map(|matrix| Affine3A::from_mat4(Mat4::from_cols_array(matrix))).collect()
-                }
-            };
-            if !inverse_bind.iter().all(Affine3A::is_finite) {
-                let problem =
-                    "an inverse bind matrix is not finite; bind the skin anew and export the file again";
-                return Err(document.fault(&skin_place, problem));
-            }
-            skins.push(Skin { name: skin.name.clone().unwrap_or_default(), joints, inverse_bind });
+            let read =
+                document.salvage(self.skin(document, index, skin), "what it bends is drawn as it is")?;
+            skins.index_of.push(read.is_some().then_some(skins.sound.len() as u32));
+            skins.sound.extend(read);
         }
         Ok(skins)
+    }
+
+    fn skin(&self, document: &Document<'_>, index: Index, skin: &schema::Skin) -> Result<Skin, SceneError> {
+        let place = format!("skins[{index}]");
+        let joints = skin
+            .joints
+            .iter()
+            .map(|&joint| self.sorted(document, joint, &place))
+            .collect::<Result<Vec<_>, _>>()?;
+        let inverse_bind = match skin.inverse_bind_matrices {
+            None => vec![Affine3A::IDENTITY; joints.len()],
+            Some(accessor) => {
+                let matrices = document.floats::<16>(accessor, &format!("{place}.inverseBindMatrices"))?;
+                let matrices = matrices.get(..joints.len()).ok_or_else(|| {
+                    let problem = format!(
+                        "{} joints have only {} inverse bind matrices; export the file again",
+                        joints.len(),
+                        matrices.len()
+                    );
+                    document.fault(&place, problem)
+                })?;
+                matrices.iter().map(|matrix| Affine3A::from_mat4(Mat4::from_cols_array(matrix))).collect()
+            }
+        };
+        if !inverse_bind.iter().all(Affine3A::is_finite) {
+            let problem =
+                "an inverse bind matrix is not finite; bind the skin anew and export the file again";
+            return Err(document.fault(&place, problem));
+        }
+        Ok(Skin { name: skin.name.clone().unwrap_or_default(), joints, inverse_bind })
     }
 
     /// Draws the meshes of all nodes shown.
@@ -228,6 +195,7 @@ impl Hierarchy {
         &self,
         document: &Document<'_>,
         materials: &mut Materials<'_, '_>,
+        skins: &Skins,
         parts: &mut SceneParts,
     ) -> Result<(), SceneError> {
         let mut library = mesh::Library::new(document);
@@ -237,28 +205,47 @@ impl Hierarchy {
             let Some(mesh_index) = node.mesh else { continue };
             // What is drawn at the node: the primitives of its mesh, on what skin, how often and with which
             // weights.
-            let node_place = place(document, index);
-            let primitives = library.primitives(mesh_index, &node_place, materials, &mut parts.meshes)?;
+            let node_place = place(index);
+            let primitives = library.primitives(mesh_index, &node_place, materials, &mut parts.meshes);
+            let Some(primitives) = document.salvage(primitives, "not drawn")? else { continue };
             let skin = match node.skin {
                 Some(skin) => {
-                    document.get(&document.root.skins, skin, "skin", &node_place)?;
-                    Some(skin as u32)
+                    let index = document.get(&skins.index_of, skin, "skin", &node_place);
+                    document.salvage(index, "drawn as a rigid mesh")?.copied().flatten()
                 }
                 None => None,
             };
-            let copies = instance_transforms(document, node, &node_place)?;
-            let weights = if node.weights.is_empty() {
-                &document.root.meshes[mesh_index].weights
+            let copies = instance_transforms(document, node, &node_place);
+            let Some(copies) = document.salvage(copies, "not drawn")? else { continue };
+            let mut weights = if node.weights.is_empty() {
+                document.root.meshes[mesh_index].weights.clone()
             } else {
-                &node.weights
+                node.weights.clone()
             };
+            if weights.iter().any(|weight| !weight.is_finite()) {
+                let fault =
+                    document.fault(&node_place, "a morph weight is not finite; export the file again");
+                document.lose(fault, "it became 0")?;
+                weights.iter_mut().filter(|weight| !weight.is_finite()).for_each(|weight| *weight = 0.0);
+            }
+            // Which skin each primitive hangs on.
+            let mut hung = Vec::with_capacity(primitives.len());
+            for primitive in &primitives {
+                hung.push(match skin {
+                    Some(skin) => {
+                        let joint_count = skins.sound[skin as usize].joints.len();
+                        primitive.hangs_on(document, &node_place, joint_count)?.then_some(skin)
+                    }
+                    None => None,
+                });
+            }
             // Each copy is an object, each of its primitives an instance.
             for node_from_object in copies {
                 let id = next_id;
                 next_id = next_id
                     .checked_add(1)
                     .ok_or_else(|| document.limit(&node_place, "there are more than 2³² objects"))?;
-                for primitive in &primitives {
+                for (primitive, &skin) in primitives.iter().zip(&hung) {
                     let mesh = &parts.meshes[primitive.mesh as usize];
                     // Both what is drawn and what is stored is bounded, since a file can ask for copies
                     // without end.
@@ -275,26 +262,16 @@ impl Hierarchy {
                         size_of::<Instance>() + target_count * size_of::<f32>(),
                         &node_place,
                     )?;
-                    // Weights that the file leaves out are zero; a skin needs a mesh with joints.
-                    let mut morph_weights = weights.clone();
+                    // Weights that the file leaves out are zero.
+                    let mut morph_weights: Vec<f32> = weights.iter().copied().take(target_count).collect();
                     morph_weights.resize(target_count, 0.0);
-                    if morph_weights.iter().any(|weight| !weight.is_finite()) {
-                        return Err(document
-                            .fault(&node_place, "a morph weight is not finite; export the file again"));
-                    }
-                    if skin.is_some() && mesh.influences_per_vertex == 0 {
-                        document.repaired(
-                            &node_place,
-                            "it has a skin, but its mesh has no joints: drawn as a rigid mesh",
-                        );
-                    }
                     parts.instances.push(Instance {
                         node: at,
                         node_from_object,
                         mesh: primitive.mesh,
                         id,
                         geometry: primitive.geometry,
-                        skin: skin.filter(|_| mesh.influences_per_vertex > 0),
+                        skin,
                         morph_weights,
                     });
                 }
@@ -302,6 +279,101 @@ impl Hierarchy {
         }
         Ok(())
     }
+}
+
+/// The skins of a file that are sound.
+#[derive(Default)]
+pub(super) struct Skins {
+    pub sound: Vec<Skin>,
+    /// Index into `sound` of each skin of the file.
+    index_of: Vec<Option<u32>>,
+}
+
+/// Parent and children of each node of the file: what names no node or has a parent already is left out.
+#[expect(clippy::type_complexity, reason = "two lists that are taken apart at once")]
+fn family(document: &Document<'_>) -> Result<(Vec<Option<Index>>, Vec<Vec<Index>>), SceneError> {
+    let nodes = &document.root.nodes;
+    let mut parent_of: Vec<Option<Index>> = vec![None; nodes.len()];
+    let mut children: Vec<Vec<Index>> = vec![Vec::new(); nodes.len()];
+    for (index, node) in nodes.iter().enumerate() {
+        for &child in &node.children {
+            let found = document.get(nodes, child, "node", &place(index));
+            if document.salvage(found, "left out")?.is_none() {
+                continue;
+            }
+            if let Some(other) = parent_of[child] {
+                let problem = format!(
+                    "it is a child of both node {other} and node {index}; a node has one parent, export the file again"
+                );
+                document.lose(document.fault(place(child), problem), "it stays with the first")?;
+                continue;
+            }
+            parent_of[child] = Some(index);
+            children[index].push(child);
+        }
+    }
+    Ok((parent_of, children))
+}
+
+/// The scene that is shown, if the file has scenes.
+fn scene_shown<'d>(document: &'d Document<'_>) -> Result<Option<&'d schema::Scene>, SceneError> {
+    let scenes = &document.root.scenes;
+    let named = match document.root.scene {
+        Some(index) => document.salvage(document.get(scenes, index, "scene", "scene"), "left out")?,
+        None => None,
+    };
+    Ok(named.or(scenes.first()))
+}
+
+/// The lens of a camera that hangs on a node of the file.
+fn lens(document: &Document<'_>, camera: Index, node: Index) -> Result<Lens, SceneError> {
+    let described = document.get(&document.root.cameras, camera, "camera", &place(node))?;
+    let fault = |problem: &str| {
+        document.fault(format!("cameras[{camera}]"), format!("{problem}; set it and export the file again"))
+    };
+    match (&described.perspective, &described.orthographic) {
+        (Some(lens), _) => {
+            let valid = lens.yfov > 0.0 && lens.yfov < std::f32::consts::PI;
+            valid
+                .then_some(Lens::Perspective { yfov_rad: lens.yfov })
+                .ok_or_else(|| fault("yfov is not between 0 and π"))
+        }
+        (None, Some(lens)) => {
+            // A negative magnification mirrors; its size is what is meant.
+            let half_height = lens.ymag.abs();
+            let valid = half_height > 0.0 && half_height.is_finite();
+            valid.then_some(Lens::Orthographic { half_height }).ok_or_else(|| fault("ymag is zero"))
+        }
+        (None, None) => Err(fault("it is neither perspective nor orthographic")),
+    }
+}
+
+/// A light that hangs on a node, by its index in the file and by its sorted one.
+fn light(document: &Document<'_>, light: Index, node: Index, sorted: u32) -> Result<Light, SceneError> {
+    let all = &document.root.extensions.lights_punctual.lights;
+    let described = document.get(all, light, "light", &place(node))?;
+    let fault = |problem: String| {
+        document.fault(
+            format!("extensions.KHR_lights_punctual.lights[{light}]"),
+            format!("{problem}; correct it and export the file again"),
+        )
+    };
+    let intensity = Vec3::from(described.color) * described.intensity;
+    if !intensity.is_finite() || intensity.min_element() < 0.0 {
+        return Err(fault("its colour or intensity is negative or not finite".to_owned()));
+    }
+    let range = described.range.filter(|&range| range > 0.0).unwrap_or(f32::INFINITY);
+    let kind = match described.kind.as_str() {
+        "directional" => LightKind::Directional,
+        "point" => LightKind::Point { range },
+        "spot" => {
+            let outer = described.spot.outer_cone_angle.clamp(1e-4, std::f32::consts::FRAC_PI_2);
+            let inner = described.spot.inner_cone_angle.clamp(0.0, outer);
+            LightKind::Spot { range, inner_cone_rad: inner, outer_cone_rad: outer }
+        }
+        other => return Err(fault(format!("its type '{other}' is not directional, point or spot"))),
+    };
+    Ok(Light { name: described.name.clone().unwrap_or_default(), node: sorted, intensity, kind })
 }
 
 /// Names given so far.
@@ -362,7 +434,7 @@ fn instance_transforms(
     place: &str,
 ) -> Result<Vec<Affine3A>, SceneError> {
     let Some(instancing) = &node.extensions.instancing else { return Ok(vec![Affine3A::IDENTITY]) };
-    let place = format!("{place}, EXT_mesh_gpu_instancing");
+    let place = format!("{place}.extensions.EXT_mesh_gpu_instancing");
     let attribute = |name: &str| instancing.attributes.get(name).copied();
     let translations =
         attribute("TRANSLATION").map(|index| document.floats::<3>(index, &place)).transpose()?;

@@ -81,10 +81,15 @@ fn begins_chunk(bytes: &[u8], at: usize) -> bool {
     rest.strip_prefix(&GLB_CHUNK_BIN).is_some_and(|data| data.len() >= u32::from_le_bytes(*length) as usize)
 }
 
+/// Whether a URI holds its data itself.
+pub(super) fn is_data(uri: &str) -> bool {
+    uri.get(..5).is_some_and(|scheme| scheme.eq_ignore_ascii_case("data:"))
+}
+
 /// The bytes a URI stands for: inline data, or a file below `folder` or one of the `allowed` folders. The
 /// error says what is wrong and what to do.
 pub(super) fn read_uri(uri: &str, folder: &Path, allowed: &[PathBuf]) -> Result<Vec<u8>, UriError> {
-    if uri.get(..5).is_some_and(|scheme| scheme.eq_ignore_ascii_case("data:")) {
+    if is_data(uri) {
         return decode_data_uri(&uri[5..]).map_err(UriError::Refused);
     }
     let path = path_of(uri, folder, allowed).map_err(UriError::Refused)?;
