@@ -6,7 +6,7 @@
 //! [`FrameParameters`]. Numbers that a division makes are made here, by the CPU's division, which shaders are
 //! free to round otherwise.
 
-use glam::{Vec2, Vec3};
+use glam::{UVec2, Vec2, Vec3};
 use sheer_render::{Background, contract::Hybrid};
 use sheer_scene::{CameraPose, Frame, Lens};
 
@@ -34,6 +34,9 @@ impl From<&CameraPose> for CameraUniform {
             is_orthographic,
             eye: pose.eye(),
             beam_side: 0.0,
+            near: pose.clip.near,
+            far: pose.clip.far.min(f32::MAX),
+            padding: UVec2::ZERO,
         }
     }
 }

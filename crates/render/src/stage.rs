@@ -97,9 +97,9 @@ impl Stage {
     /// pixels from the upper left corner of a picture of `size` pixels.
     #[must_use]
     pub fn triangles_through(&self, point_px: Vec2, size: [u32; 2]) -> Vec<u32> {
-        let CameraRay { origin, direction } =
+        let CameraRay { origin, direction, nearest, furthest } =
             self.frame().camera().ray(point_px, UVec2::from(size).as_vec2());
-        let ray = Ray { origin, direction, t_min: 0.0, t_max: f32::INFINITY };
+        let ray = Ray { origin, direction, t_min: nearest, t_max: furthest };
         let mut triangles = Vec::new();
         self.bvh.traverse(&ray, |hit| {
             triangles.push(hit.triangle);

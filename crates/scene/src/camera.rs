@@ -18,8 +18,31 @@ pub struct Camera {
     pub name: String,
     /// What the camera sees from where it is.
     pub lens: Lens,
+    /// Nothing nearer or further is seen.
+    pub clip: ClipPlanes,
     /// Where it is at a time.
     pub motion: CameraMotion,
+}
+
+/// The depths along the viewing axis between which a camera sees, world units. They cut the view alone: what
+/// is not seen casts shadows all the same.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ClipPlanes {
+    /// At least 0.
+    pub near: f32,
+    /// Above `near`; may be infinite.
+    pub far: f32,
+}
+
+impl ClipPlanes {
+    /// Cuts nothing.
+    pub const NONE: Self = Self { near: 0.0, far: f32::INFINITY };
+}
+
+impl Default for ClipPlanes {
+    fn default() -> Self {
+        Self::NONE
+    }
 }
 
 /// What a camera sees from where it is.
@@ -77,6 +100,8 @@ pub struct CameraPose {
     pub world_from_camera: Affine3A,
     /// What the camera sees from where it is.
     pub lens: Lens,
+    /// Nothing nearer or further is seen.
+    pub clip: ClipPlanes,
 }
 
 /// How wide the beam of a sample in the middle of an image is along its ray; beams towards the corners of a
@@ -105,6 +130,10 @@ pub struct CameraRay {
     pub origin: Vec3,
     /// Unit direction in world.
     pub direction: Vec3,
+    /// Distance along the ray from which on the camera sees, world units.
+    pub nearest: f32,
+    /// Distance up to which it does; may be infinite.
+    pub furthest: f32,
 }
 
 impl Camera {
@@ -114,6 +143,7 @@ impl Camera {
         Self {
             name: name.to_owned(),
             lens: Lens::Perspective { yfov_rad },
+            clip: ClipPlanes::NONE,
             motion: CameraMotion::Path { keys: vec![CameraKey { time_secs: 0.0, eye, target }] },
         }
     }
@@ -122,7 +152,7 @@ impl Camera {
     #[must_use]
     pub fn orbit(lens: Lens, target: Vec3, eye: Vec3) -> Self {
         let motion = CameraMotion::Orbit { target, eye, period_secs: ORBIT_PERIOD_SECS };
-        Self { name: "orbit".to_owned(), lens, motion }
+        Self { name: "orbit".to_owned(), lens, clip: ClipPlanes::NONE, motion }
     }
 
     /// The pose at a time of a camera on a path or an orbit; `None` for one that hangs on a node, which goes
@@ -133,25 +163,30 @@ impl Camera {
             CameraMotion::Node(_) => None,
             CameraMotion::Path { keys } => {
                 let (eye, target) = along_path(keys, time_secs);
-                Some(CameraPose::looking_at(self.lens, eye, target))
+                Some(CameraPose { clip: self.clip, ..CameraPose::looking_at(self.lens, eye, target) })
             }
             CameraMotion::Orbit { target, eye, period_secs } => {
                 let rotation = Mat3::from_rotation_y(TAU * time_secs / period_secs);
-                Some(CameraPose::looking_at(self.lens, *target + rotation * (*eye - *target), *target))
+                let pose = CameraPose::looking_at(self.lens, *target + rotation * (*eye - *target), *target);
+                Some(CameraPose { clip: self.clip, ..pose })
             }
         }
     }
 }
 
 impl CameraPose {
-    /// Placed at `eye`, looking at `target`, +Y up (any up if looking straight along it).
+    /// Placed at `eye`, looking at `target`, +Y up (any up if looking straight along it), without clip planes.
     #[must_use]
     pub fn looking_at(lens: Lens, eye: Vec3, target: Vec3) -> Self {
         let back = (eye - target).try_normalize().unwrap_or(Vec3::Z);
         let up = if back.y.abs() > 0.9999 { Vec3::Z } else { Vec3::Y };
         let right = up.cross(back).normalize();
         let rotation = Mat3::from_cols(right, back.cross(right), back);
-        Self { world_from_camera: Affine3A::from_mat3_translation(rotation, eye), lens }
+        Self {
+            world_from_camera: Affine3A::from_mat3_translation(rotation, eye),
+            lens,
+            clip: ClipPlanes::NONE,
+        }
     }
 
     /// Where the camera is, world.
@@ -177,11 +212,23 @@ impl CameraPose {
             Lens::Perspective { yfov_rad } => {
                 let in_camera = (ndc * (0.5 * yfov_rad).tan()).extend(-1.0);
                 let direction = self.world_from_camera.transform_vector3(in_camera).normalize();
-                CameraRay { origin: self.eye(), direction }
+                // Clip planes lie across the axis: rays beside it reach them later.
+                let stretch = direction.dot(self.forward()).recip();
+                CameraRay {
+                    origin: self.eye(),
+                    direction,
+                    nearest: self.clip.near * stretch,
+                    furthest: self.clip.far * stretch,
+                }
             }
             Lens::Orthographic { half_height } => {
                 let origin = self.world_from_camera.transform_point3((ndc * half_height).extend(0.0));
-                CameraRay { origin, direction: self.forward() }
+                CameraRay {
+                    origin,
+                    direction: self.forward(),
+                    nearest: self.clip.near,
+                    furthest: self.clip.far,
+                }
             }
         }
     }

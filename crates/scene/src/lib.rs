@@ -17,7 +17,7 @@ mod scene;
 mod texture;
 
 pub use crate::{
-    camera::{Camera, CameraPose, CameraRay, Lens, PixelBeam},
+    camera::{Camera, CameraPose, CameraRay, ClipPlanes, Lens, PixelBeam},
     environment::Environment,
     error::SceneError,
     frame::{

@@ -387,6 +387,8 @@ fn validate_view(parts: &SceneParts) -> Result<(), Fault> {
             Lens::Orthographic { half_height } => half_height > 0.0 && half_height.is_finite(),
         };
         check(sees, place, "its field of view is empty or too wide")?;
+        let clips = 0.0 <= camera.clip.near && camera.clip.near < camera.clip.far;
+        check(clips, place, "its near plane is not in front of its far one")?;
         match &camera.motion {
             CameraMotion::Node(node) => {
                 check((*node as usize) < parts.nodes.len(), place, "its node is not there")?;

@@ -8,7 +8,7 @@ use glam::Vec3;
 use sheer_core::parameter::{ParameterInfo, ParameterRange, Values};
 use sheer_scene::{
     Scene, SceneError,
-    camera::{Camera, CameraKey, CameraMotion, Lens},
+    camera::{Camera, CameraKey, CameraMotion, ClipPlanes, Lens},
 };
 
 use self::spell::Effects;
@@ -51,6 +51,7 @@ pub(crate) fn build(values: &Values) -> Result<Scene, SceneError> {
     builder.camera(Camera {
         name: "path".to_owned(),
         lens: Lens::Perspective { yfov_rad: 0.80 },
+        clip: ClipPlanes::NONE,
         motion: CameraMotion::Path {
             keys: vec![
                 key(0.0, Vec3::new(-7.6, 3.2, 5.8), Vec3::new(0.2, 1.6, -0.5)),

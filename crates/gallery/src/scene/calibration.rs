@@ -5,7 +5,7 @@ use glam::{Vec3, Vec4};
 use sheer_core::parameter::{ParameterInfo, Values};
 use sheer_scene::{
     Scene, SceneError,
-    camera::{Camera, CameraKey, CameraMotion, Lens},
+    camera::{Camera, CameraKey, CameraMotion, ClipPlanes, Lens},
     environment::Environment,
     model::{AlphaMode, Material, ShadingModel},
 };
@@ -48,6 +48,7 @@ pub(crate) fn build(_: &Values) -> Result<Scene, SceneError> {
     builder.camera(Camera {
         name: "static".to_owned(),
         lens: Lens::Orthographic { half_height: 1.0 },
+        clip: ClipPlanes::NONE,
         motion: CameraMotion::Path { keys: vec![key] },
     });
     builder.finish()

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use sheer_core::parameter::{ParameterInfo, ParameterRange, Values};
 use sheer_scene::{
     Scene, SceneError,
-    camera::{Camera, CameraKey, CameraMotion, Lens},
+    camera::{Camera, CameraKey, CameraMotion, ClipPlanes, Lens},
     environment::{Environment, Lobe},
     model::Material,
 };
@@ -100,6 +100,7 @@ pub(crate) fn build(values: &Values) -> Result<Scene, SceneError> {
     builder.camera(Camera {
         name: "path".to_owned(),
         lens,
+        clip: ClipPlanes::NONE,
         motion: CameraMotion::Path {
             keys: vec![
                 key(0.0, Vec3::new(-1.7, 1.0, 2.4), Vec3::new(0.0, 0.55, 0.0)),

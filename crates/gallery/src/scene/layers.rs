@@ -4,7 +4,7 @@ use glam::{Affine3A, Vec2, Vec3, Vec4};
 use sheer_core::parameter::{ParameterInfo, ParameterRange, Values};
 use sheer_scene::{
     Scene, SceneError,
-    camera::{Camera, CameraKey, CameraMotion, Lens},
+    camera::{Camera, CameraKey, CameraMotion, ClipPlanes, Lens},
     environment::Environment,
     model::{AlphaMode, Material, ShadingModel},
 };
@@ -140,6 +140,7 @@ pub(crate) fn build(values: &Values) -> Result<Scene, SceneError> {
     builder.camera(Camera {
         name: "static".to_owned(),
         lens: Lens::Orthographic { half_height: 1.0 },
+        clip: ClipPlanes::NONE,
         motion: CameraMotion::Path { keys: vec![key] },
     });
     builder.finish()

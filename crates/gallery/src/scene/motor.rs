@@ -9,7 +9,7 @@ use glam::{Vec2, Vec3};
 use sheer_core::parameter::{ParameterInfo, ParameterRange, Values};
 use sheer_scene::{
     Scene, SceneError,
-    camera::{Camera, CameraKey, CameraMotion, Lens},
+    camera::{Camera, CameraKey, CameraMotion, ClipPlanes, Lens},
     environment::{Environment, Lobe},
 };
 
@@ -117,6 +117,7 @@ fn put_cameras(builder: &mut SceneBuilder, layout: Layout) {
     builder.camera(Camera {
         name: "path".to_owned(),
         lens,
+        clip: ClipPlanes::NONE,
         motion: CameraMotion::Path {
             keys: vec![
                 key(0.0, Vec3::new(3.0, 2.6, front + 11.0), Vec3::new(0.0, 1.5, front)),

@@ -5,7 +5,7 @@ use glam::{Affine3A, Quat, Vec3, Vec4};
 use sheer_core::parameter::{ParameterInfo, ParameterRange, Values};
 use sheer_scene::{
     Scene, SceneError,
-    camera::{Camera, CameraKey, CameraMotion, Lens},
+    camera::{Camera, CameraKey, CameraMotion, ClipPlanes, Lens},
     model::{AlphaMode, Material},
 };
 
@@ -61,6 +61,7 @@ pub(crate) fn build(values: &Values) -> Result<Scene, SceneError> {
     builder.camera(Camera {
         name: "path".to_owned(),
         lens: Lens::Perspective { yfov_rad: YFOV_RAD },
+        clip: ClipPlanes::NONE,
         motion: CameraMotion::Path { keys: vec![key(0.0, -4.0), key(4.0, 0.6), key(8.0, 5.2)] },
     });
     let middle = place.transform_point3(0.5 * (low + high));

@@ -7,7 +7,7 @@ use glam::{Affine3A, Quat, Vec2, Vec3};
 use sheer_core::parameter::{ParameterInfo, ParameterRange, Values};
 use sheer_scene::{
     Scene, SceneError,
-    camera::{Camera, CameraKey, CameraMotion, Lens},
+    camera::{Camera, CameraKey, CameraMotion, ClipPlanes, Lens},
     environment::{Environment, Lobe},
     particle::{Particle, ParticleSystem, Turbulence},
 };
@@ -82,6 +82,7 @@ pub(crate) fn build(values: &Values) -> Result<Scene, SceneError> {
     builder.camera(Camera {
         name: "path".to_owned(),
         lens: Lens::Perspective { yfov_rad: 0.68 },
+        clip: ClipPlanes::NONE,
         motion: CameraMotion::Path {
             keys: vec![
                 key(0.0, Vec3::new(5.6, 1.5, 10.4), Vec3::new(0.5, 3.4, 0.0)),

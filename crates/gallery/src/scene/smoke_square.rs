@@ -9,7 +9,7 @@ use glam::Vec3;
 use sheer_core::parameter::{ParameterInfo, ParameterRange, Values};
 use sheer_scene::{
     Scene, SceneError,
-    camera::{Camera, CameraKey, CameraMotion, Lens},
+    camera::{Camera, CameraKey, CameraMotion, ClipPlanes, Lens},
     particle::{Particle, ParticleSystem, Turbulence},
 };
 
@@ -68,6 +68,7 @@ pub(crate) fn build(values: &Values) -> Result<Scene, SceneError> {
     builder.camera(Camera {
         name: "path".to_owned(),
         lens: Lens::Perspective { yfov_rad: YFOV_RAD },
+        clip: ClipPlanes::NONE,
         motion: CameraMotion::Path {
             keys: vec![
                 key(0.0, Vec3::new(12.8, 1.75, 5.6), Vec3::new(3.5, 2.3, -4.0)),

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use sheer_core::parameter::{ParameterInfo, ParameterRange, Values};
 use sheer_scene::{
     Scene, SceneError,
-    camera::{Camera, CameraKey, CameraMotion, Lens},
+    camera::{Camera, CameraKey, CameraMotion, ClipPlanes, Lens},
     environment::{Environment, Lobe},
     model::{AlphaMode, Material, ShadingModel, TextureRef},
     particle::{Particle, ParticleSystem, Turbulence},
@@ -113,6 +113,7 @@ pub(crate) fn build(values: &Values) -> Result<Scene, SceneError> {
     builder.camera(Camera {
         name: "path".to_owned(),
         lens,
+        clip: ClipPlanes::NONE,
         motion: CameraMotion::Path {
             keys: vec![
                 key(0.0, Vec3::new(1.9, 0.70, 3.6), Vec3::new(0.5, 0.80, 0.0)),

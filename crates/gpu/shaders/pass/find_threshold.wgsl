@@ -43,7 +43,7 @@ fn find(pixel: vec2u, ray: CameraRay, has_after: bool, after: Hit) -> Found {
     find_ray = ray;
     find_has_after = has_after;
     find_after = after;
-    traverse_find(ray.origin, ray.direction, select(0.0, after.t, has_after), FAR_AWAY);
+    traverse_find(ray.origin, ray.direction, select(ray.nearest, after.t, has_after), ray.furthest);
     counted.camera_rays += 1u;
     let transparent = select(nearest_partial < FAR_AWAY, nearest_partial <= nearest.t, has_nearest);
     return Found(has_nearest, nearest, transparent, false, vec3f(0.0));

@@ -117,8 +117,8 @@ fn begin_gathering(has_after: bool, after: Hit) {
 fn gather_front(ray: CameraRay) {
     layer_count = 0u;
     gather_ended = false;
-    let t_min = select(0.0, gather_after.t, gather_has_after);
-    traverse_gather(ray.origin, ray.direction, t_min, FAR_AWAY);
+    let t_min = select(ray.nearest, gather_after.t, gather_has_after);
+    traverse_gather(ray.origin, ray.direction, t_min, ray.furthest);
     counted.camera_rays += 1u;
 }
 

@@ -14,6 +14,9 @@ struct Hit {
 struct CameraRay {
     origin: vec3f,
     direction: vec3f,
+    // Distances between which the camera sees.
+    nearest: f32,
+    furthest: f32,
 }
 
 fn no_hit() -> Hit {

@@ -56,10 +56,15 @@ fn vs_transparent(@builtin(vertex_index) index: u32) -> TriangleVertex {
     return triangle_vertex(index);
 }
 
-// The hit of the pixel's ray with the plane of a triangle that covers it.
+// The hit of the pixel's ray with the plane of a triangle that covers it; `t` is negative where the camera's
+// clip planes cut it away.
 fn fragment_hit(pixel: vec2u, triangle: u32) -> Hit {
     let ray = camera_ray(sample_of(pixel));
-    return barycentrics(watertight_ray(ray.origin, ray.direction), triangle);
+    var hit = barycentrics(watertight_ray(ray.origin, ray.direction), triangle);
+    if !(ray.nearest <= hit.t && hit.t <= ray.furthest) {
+        hit.t = -1.0;
+    }
+    return hit;
 }
 
 // What a depth buffer holds: ordered as the distances are, to the bit.

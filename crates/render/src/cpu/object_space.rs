@@ -51,7 +51,12 @@ mod tests {
     #[test]
     fn a_ray_meets_the_plane_in_and_beyond_the_triangle() {
         let corners = [Vec3::ZERO, Vec3::X * 2.0, Vec3::Y * 4.0];
-        let from = |x, y, direction| CameraRay { origin: Vec3::new(x, y, 5.0), direction };
+        let from = |x, y, direction| CameraRay {
+            origin: Vec3::new(x, y, 5.0),
+            direction,
+            nearest: 0.0,
+            furthest: f32::INFINITY,
+        };
         assert_eq!(plane_hit(corners, &from(1.0, 1.0, Vec3::NEG_Z)), Some([0.5, 0.25]));
         assert_eq!(plane_hit(corners, &from(-2.0, 8.0, Vec3::NEG_Z)), Some([-1.0, 2.0]));
         assert_eq!(plane_hit(corners, &from(1.0, 1.0, Vec3::Z)), None, "it lies behind");

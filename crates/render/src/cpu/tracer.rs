@@ -138,7 +138,8 @@ impl<'a> Tracer<'a> {
     }
 
     pub(super) fn ray(&self, ray: &CameraRay) -> Ray {
-        Ray { origin: ray.origin, direction: ray.direction, t_min: 0.0, t_max: f32::INFINITY }
+        let &CameraRay { origin, direction, nearest, furthest } = ray;
+        Ray { origin, direction, t_min: nearest, t_max: furthest }
     }
 
     /// The ray from a hit on, inclusively: there may be a second one at its depth.

@@ -1,6 +1,7 @@
 //! The CPU backend from outside. One binary: what links the whole of it links it once, and the tests run
 //! beside each other.
 
+mod clip_planes;
 mod display;
 mod family;
 mod methods;

@@ -87,5 +87,6 @@ pub(crate) fn camera_pose(parts: &SceneParts, camera: &Camera, time_secs: f32) -
     CameraPose {
         world_from_camera: Affine3A::from_rotation_translation(unit(rotation), translation),
         lens: camera.lens,
+        clip: camera.clip,
     }
 }

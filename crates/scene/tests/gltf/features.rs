@@ -283,6 +283,27 @@ fn animation_pointers_are_left_out_with_a_warning() {
 }
 
 #[test]
+fn clip_planes_come_from_the_camera_and_may_be_left_out() {
+    let mut builder = Builder::triangle();
+    builder.json["cameras"] = json!([
+        {"perspective": {"yfov": 0.5, "znear": 0.25, "zfar": 8}},
+        {"perspective": {"yfov": 0.5, "znear": 0.5}},
+        {"orthographic": {"xmag": 1, "ymag": 2, "znear": 0, "zfar": 3}},
+        {"orthographic": {"xmag": 1, "ymag": 2, "znear": 3, "zfar": 3}},
+    ]);
+    builder.json["nodes"][0]["children"] = json!([1, 2, 3, 4]);
+    for camera in 0..4 {
+        builder.push("nodes", json!({"camera": camera}));
+    }
+    let loaded = builder.load().unwrap();
+    let clips: Vec<_> =
+        loaded.scene.parts().cameras.iter().map(|camera| [camera.clip.near, camera.clip.far]).collect();
+    assert_eq!(clips, [[0.25, 8.0], [0.5, f32::INFINITY], [0.0, 3.0], [0.0, f32::INFINITY]]);
+    let said = loaded.warnings[0].to_string();
+    assert!(said.contains("cameras[3]: znear is 3 and zfar 3"), "{said}");
+}
+
+#[test]
 fn cameras_get_names_of_their_own() {
     let mut builder = Builder::triangle();
     builder.json["cameras"] = json!([

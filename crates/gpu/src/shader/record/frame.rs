@@ -24,6 +24,12 @@ shader_struct! {
         /// Side of a sample's beam, world units: at distance 1 of a perspective camera, anywhere of an
         /// orthographic one; 0 of the camera of the frame before, which sees no texture.
         beam_side: f32,
+        /// Nothing is seen that is nearer along the view axis, world units.
+        near: f32,
+        /// Nothing is seen that is further; `FAR_AWAY` if there is no end.
+        far: f32,
+        /// Fills the size up to a multiple of 16.
+        padding: UVec2,
     }
 }
 

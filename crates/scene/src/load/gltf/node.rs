@@ -13,7 +13,7 @@ use super::{
 };
 use crate::{
     SceneError,
-    camera::{Camera, CameraMotion, Lens},
+    camera::{Camera, CameraMotion, ClipPlanes, Lens},
     model::{Instance, Light, LightKind, Node, SceneParts, Skin, Transform},
 };
 
@@ -126,6 +126,7 @@ impl Hierarchy {
         let mut names = Names::default();
         for (camera, node, at) in hung {
             let Some(lens) = document.salvage(lens(document, camera, node), "left out")? else { continue };
+            let clip = document.salvage(clip_planes(document, camera), "taken for none")?.unwrap_or_default();
             let given = [&document.root.cameras[camera].name, &document.root.nodes[node].name];
             let base = given
                 .into_iter()
@@ -134,7 +135,7 @@ impl Hierarchy {
                 .cloned()
                 .unwrap_or_else(|| format!("camera{camera}"));
             let name = names.unique(base);
-            cameras.push(Camera { name, lens, motion: CameraMotion::Node(at) });
+            cameras.push(Camera { name, lens, clip, motion: CameraMotion::Node(at) });
         }
         Ok(cameras)
     }
@@ -346,6 +347,26 @@ fn lens(document: &Document<'_>, camera: Index, node: Index) -> Result<Lens, Sce
         }
         (None, None) => Err(fault("it is neither perspective nor orthographic")),
     }
+}
+
+/// The near and the far plane of a camera of the file; what it leaves out cuts nothing.
+fn clip_planes(document: &Document<'_>, camera: Index) -> Result<ClipPlanes, SceneError> {
+    let described = &document.root.cameras[camera];
+    let planes = match (&described.perspective, &described.orthographic) {
+        (Some(lens), _) => [lens.znear, lens.zfar],
+        (None, Some(lens)) => [lens.znear, lens.zfar],
+        (None, None) => [None; 2],
+    };
+    let [near, far] = planes;
+    let clip = ClipPlanes { near: near.unwrap_or(0.0), far: far.unwrap_or(f32::INFINITY) };
+    if 0.0 <= clip.near && clip.near < clip.far {
+        return Ok(clip);
+    }
+    let problem = format!(
+        "znear is {} and zfar {}, but they must not be negative, and zfar must be greater; correct them and export the file again",
+        clip.near, clip.far
+    );
+    Err(document.fault(format!("cameras[{camera}]"), problem))
 }
 
 /// A light that hangs on a node, by its index in the file and by its sorted one.

@@ -205,11 +205,15 @@ pub(super) struct Camera {
 #[derive(Debug, Deserialize)]
 pub(super) struct Perspective {
     pub yfov: f32,
+    pub znear: Option<f32>,
+    pub zfar: Option<f32>,
 }
 
 #[derive(Debug, Deserialize)]
 pub(super) struct Orthographic {
     pub ymag: f32,
+    pub znear: Option<f32>,
+    pub zfar: Option<f32>,
 }
 
 #[derive(Debug, Deserialize)]
