@@ -54,9 +54,8 @@ impl<'a> Document<'a> {
         let (json, binary_chunk) =
             resource::split_container(bytes).map_err(|problem| fault("container", problem))?;
         let strict: Option<Root> = serde_json::from_slice(json).ok();
-        let is_straightened = strict.is_none();
-        let root = match strict {
-            Some(root) => root,
+        let lenient::Parsed { root, is_straightened, left_out } = match strict {
+            Some(root) => lenient::Parsed { root, is_straightened: false, left_out: Vec::new() },
             None => lenient::parse(json, |only| version_problem(&only.asset))
                 .map_err(|lenient::Fault { place, problem }| fault(&place, problem))?,
         };
@@ -79,6 +78,9 @@ impl<'a> Document<'a> {
         if is_straightened {
             document
                 .repaired("JSON", "whole numbers with a point or null in place of nothing were understood");
+        }
+        for lenient::Fault { place, problem } in left_out {
+            document.lose(document.fault(place, problem), "left out")?;
         }
         Ok(document)
     }
@@ -301,6 +303,9 @@ fn version_problem(asset: &Asset) -> Option<String> {
     let version = asset.min_version.as_deref().unwrap_or(&asset.version);
     let is_known =
         version.split('.').next() == Some("2") && asset.min_version.as_deref().is_none_or(|min| min == "2.0");
+    if version.is_empty() {
+        return Some("it does not say of which version it is; is it a glTF file?".to_owned());
+    }
     (!is_known).then(|| format!("the file is of glTF version '{version}'; export it as glTF 2.0"))
 }
 

@@ -3,6 +3,7 @@
 
 use serde::{Deserialize, de::DeserializeOwned};
 use serde_json::{Number, Value};
+use serde_path_to_error::{Path, Segment};
 
 use super::schema::{Root, VersionOnly};
 
@@ -10,6 +11,19 @@ use super::schema::{Root, VersionOnly};
 const GREATEST_WHOLE: f64 = 9_007_199_254_740_992.0;
 /// Of a text that a message quotes, characters.
 const LONGEST_QUOTE: usize = 80;
+
+/// Values that are left out of one file before it counts as broken altogether: each costs another attempt.
+const MOST_LEFT_OUT: usize = 32;
+
+/// A file that did not parse as it stands.
+#[derive(Debug)]
+pub(super) struct Parsed {
+    pub root: Root,
+    /// Something written off but plainly was understood.
+    pub is_straightened: bool,
+    /// Values that were left out, being of another type than they should.
+    pub left_out: Vec<Fault>,
+}
 
 /// What is wrong, and where: a path of keys and indices.
 #[derive(Debug, PartialEq)]
@@ -19,51 +33,82 @@ pub(super) struct Fault {
 }
 
 /// Reads what is written off but plainly: whole numbers as `24.0` or `1e2`, `null` for what could have been
-/// left out, a version that is a number. `check_version` says what is wrong with a version.
+/// left out, a version that is a number. A value of a wrong type is left out if it can be. `check_version`
+/// says what is wrong with a version.
 pub(super) fn parse(
     json: &[u8],
     check_version: impl Fn(&VersionOnly) -> Option<String>,
-) -> Result<Root, Fault> {
+) -> Result<Parsed, Fault> {
     let mut value: Value = serde_json::from_slice(json).map_err(|error| syntax_fault(&error))?;
-    straighten(&mut value);
+    let mut is_straightened = straighten(&mut value);
     if let Some(version) = value.pointer_mut("/asset/version").filter(|version| version.is_number()) {
         *version = Value::String(version.to_string());
+        is_straightened = true;
     }
     // Version 1 has another shape altogether: say that instead.
     let old = VersionOnly::deserialize(&value).ok().and_then(|only| check_version(&only));
     if let Some(problem) = old {
         return Err(Fault { place: "asset".to_owned(), problem });
     }
-    typed(value)
+    let mut left_out = Vec::new();
+    loop {
+        match typed(&value) {
+            Ok(root) => return Ok(Parsed { root, is_straightened, left_out }),
+            Err((path, fault)) => {
+                if left_out.len() == MOST_LEFT_OUT || !leave_out(&mut value, &path) {
+                    return Err(fault);
+                }
+                left_out.push(fault);
+            }
+        }
+    }
 }
 
-fn typed<T: DeserializeOwned>(value: Value) -> Result<T, Fault> {
+fn typed<T: DeserializeOwned>(value: &Value) -> Result<T, (Path, Fault)> {
     serde_path_to_error::deserialize(value).map_err(|error| {
         let path = error.path().to_string();
         let place = if path == "." { "JSON".to_owned() } else { path };
         let problem = in_words(&error.inner().to_string());
-        Fault {
-            place,
-            problem: format!("{problem}; export the file again, or check it with a glTF validator"),
-        }
+        let problem = format!("{problem}; export the file again, or check it with a glTF validator");
+        (error.path().clone(), Fault { place, problem })
     })
 }
 
-/// Numbers without a fraction become integers; keys with `null` go.
-fn straighten(value: &mut Value) {
+/// Removes the value at a path from the object that it is in; false if it is not in one, or not a root's.
+fn leave_out(value: &mut Value, path: &Path) -> bool {
+    let mut steps: Vec<&Segment> = path.iter().collect();
+    let Some(Segment::Map { key }) = steps.pop() else { return false };
+    // A list of the root, such as all nodes, is more than a part.
+    if steps.is_empty() {
+        return false;
+    }
+    let holder = steps.into_iter().try_fold(value, |value, step| match step {
+        Segment::Map { key } => value.get_mut(key),
+        Segment::Seq { index } => value.get_mut(index),
+        Segment::Enum { .. } | Segment::Unknown => None,
+    });
+    holder.and_then(Value::as_object_mut).is_some_and(|holder| holder.remove(key).is_some())
+}
+
+/// Numbers without a fraction become integers; keys with `null` go. Returns whether there were any.
+fn straighten(value: &mut Value) -> bool {
     match value {
         Value::Number(number) => {
             let whole = number.as_f64().filter(|float| number.is_f64() && float.fract() == 0.0);
             if let Some(float) = whole.filter(|float| float.abs() <= GREATEST_WHOLE) {
                 *number = Number::from(float as i64);
+                return true;
             }
+            false
         }
-        Value::Array(values) => values.iter_mut().for_each(straighten),
+        Value::Array(values) => values.iter_mut().fold(false, |any, value| straighten(value) | any),
         Value::Object(values) => {
+            let count = values.len();
             values.retain(|_, value| !value.is_null());
-            values.values_mut().for_each(straighten);
+            let has_nulls = values.len() < count;
+            values.values_mut().fold(has_nulls, |any, value| straighten(value) | any)
         }
-        Value::Null | Value::Bool(_) | Value::String(_) => {}
+        Value::Null | Value::Bool(_) | Value::String(_) => false,
     }
 }
 
@@ -144,19 +189,22 @@ fn shortened(text: &str) -> String {
 mod tests {
     use super::*;
 
-    fn read(json: &str) -> Result<Root, Fault> {
+    fn read(json: &str) -> Result<Parsed, Fault> {
         parse(json.as_bytes(), |only| (only.asset.version != "2.0").then(|| "old".to_owned()))
     }
 
-    /// The place and the problem, without the advice.
+    /// The place and the problem, without the advice, of what could not be read or was left out.
     fn fault(json: &str) -> (String, String) {
-        let Fault { place, problem } = read(json).unwrap_err();
+        let Fault { place, problem } = match read(json) {
+            Ok(mut parsed) => parsed.left_out.remove(0),
+            Err(fault) => fault,
+        };
         (place, problem.split(';').next().unwrap().to_owned())
     }
 
     #[test]
     fn whole_numbers_may_have_a_point_and_an_exponent() {
-        let root = read(
+        let Parsed { root, is_straightened, left_out } = read(
             r#"{"asset": {"version": "2.0"}, "accessors": [
                 {"componentType": 5126.0, "count": 2.4e1, "type": "VEC3", "bufferView": 0.0, "byteOffset": null}
             ], "nodes": [{"mesh": 0, "translation": [0.0, 1.5, 2]}], "meshes": null}"#,
@@ -164,7 +212,26 @@ mod tests {
         .unwrap();
         let accessor = &root.accessors[0];
         assert_eq!((accessor.count, accessor.component_type, accessor.buffer_view), (24, 5126, Some(0)));
-        assert!(root.meshes.is_empty());
+        assert!(root.meshes.is_empty() && is_straightened && left_out.is_empty());
+    }
+
+    #[test]
+    fn a_value_of_a_wrong_type_is_left_out_where_it_can_be() {
+        let asset = r#""asset": {"version": "2.0"}"#;
+        let json =
+            format!(r#"{{{asset}, "nodes": [{{"mesh": 3}}, {{"mesh": "a", "camera": 2, "skin": []}}]}}"#);
+        let Parsed { root, is_straightened, left_out } = read(&json).unwrap();
+        assert_eq!((root.nodes[0].mesh, root.nodes[1].mesh, root.nodes[1].camera), (Some(3), None, Some(2)));
+        let places: Vec<_> = left_out.iter().map(|fault| fault.place.as_str()).collect();
+        assert_eq!(places, ["nodes[1].mesh", "nodes[1].skin"]);
+        assert!(!is_straightened);
+        // What has to be there cannot be left out, nor can a whole list, nor any number of values.
+        for rest in [r#""buffers": [{"byteLength": "a"}]"#.to_owned(), r#""nodes": 7"#.to_owned(), {
+            let many = vec![r#"{"mesh": "a"}"#; MOST_LEFT_OUT + 1].join(",");
+            format!(r#""nodes": [{many}]"#)
+        }] {
+            assert!(read(&format!("{{{asset}, {rest}}}")).is_err(), "{rest}");
+        }
     }
 
     #[test]
