@@ -292,8 +292,8 @@ impl SceneArguments {
 /// How a scene file is read.
 #[derive(Args, Clone, Debug, Default)]
 pub(crate) struct LoadArguments {
-    /// Fail where a part of the file is broken or missing; otherwise what is sound is drawn, with a warning of
-    /// what is lost.
+    /// Fail where a part of the file is broken or missing; otherwise what is sound is drawn, with a warning
+    /// of what is lost.
     #[arg(long)]
     pub(crate) strict: bool,
     /// A folder besides the file's own that the files it refers to may lie in; give as many as you like.

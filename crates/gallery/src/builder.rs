@@ -156,6 +156,7 @@ impl SceneBuilder {
                 mesh.morph_targets.push(MorphTarget {
                     positions: minus(&shape.positions, &mesh.positions),
                     normals: minus(&shape.normals, &mesh.normals),
+                    ..MorphTarget::default()
                 });
             }
         }
@@ -179,7 +180,7 @@ impl SceneBuilder {
     fn move_by(&mut self, animation: &str, node: u32, tracks: Vec<Track>) {
         let animations = &mut self.parts.animations;
         let at = animations.iter().position(|known| known.name == animation).unwrap_or_else(|| {
-            animations.push(Animation { name: animation.to_owned(), channels: Vec::new() });
+            animations.push(Animation { name: animation.to_owned(), ..Animation::default() });
             animations.len() - 1
         });
         animations[at].channels.extend(tracks.into_iter().map(|track| Channel { node, track }));

@@ -170,11 +170,12 @@ impl GpuStage {
         let start = Instant::now();
         self.moment = Some(moment);
         let Self { animator, pool, extent, .. } = self;
+        let count_before = animator.frame().triangles().len();
         pool.install(|| {
             animator.advance(moment.time_secs, moment.previous_secs);
             extent.update(animator.frame());
         });
-        let result = self.upload_moving();
+        let result = self.upload_moving(count_before);
         self.build_ms = start.elapsed().as_secs_f64() * 1e3;
         match result {
             // The pipeline that renders next makes everything anew.
@@ -183,10 +184,12 @@ impl GpuStage {
         }
     }
 
-    fn upload_moving(&mut self) -> Result<(), GpuError> {
+    /// `count_before`: how many triangles there were.
+    fn upload_moving(&mut self, count_before: usize) -> Result<(), GpuError> {
         let Self { gpu, animator, pool, scene, accel, .. } = self;
         let frame = animator.frame();
-        if frame.static_count() == frame.triangles().len() && frame.lights().is_empty() {
+        let moves = frame.static_count() < frame.triangles().len().max(count_before);
+        if !moves && frame.lights().is_empty() && !frame.animates_materials() {
             return Ok(());
         }
         let replaced = pool.install(|| -> Result<bool, GpuError> {

@@ -66,9 +66,11 @@ impl Stage {
     pub fn advance(&mut self, moment: Moment) {
         let start = Instant::now();
         self.pool.install(|| {
+            let count_before = self.animator.frame().triangles().len();
             let frame = self.animator.advance(moment.time_secs, moment.previous_secs);
             let static_count = frame.static_count();
-            if static_count < frame.triangles().len() {
+            // Also where all that moves has gone, by being hidden or by dying.
+            if static_count < frame.triangles().len().max(count_before) {
                 self.bvh.rebuild_after(static_count, frame.triangles());
             }
         });

@@ -175,7 +175,8 @@ impl Camera {
 }
 
 impl CameraPose {
-    /// Placed at `eye`, looking at `target`, +Y up (any up if looking straight along it), without clip planes.
+    /// Placed at `eye`, looking at `target`, +Y up (any up if looking straight along it), without clip
+    /// planes.
     #[must_use]
     pub fn looking_at(lens: Lens, eye: Vec3, target: Vec3) -> Self {
         let back = (eye - target).try_normalize().unwrap_or(Vec3::Z);

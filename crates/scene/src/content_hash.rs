@@ -99,9 +99,14 @@ fn of_mesh(mesh: &Mesh) -> u64 {
     hash.add_list(indices.len(), indices.as_flattened().iter().map(|index| index.to_le_bytes()));
     hash.add_list(influences.len(), influences.iter().map(|influence| influence.joint.to_le_bytes()));
     hash.add_list(influences.len(), influences.iter().map(|influence| influence.weight.to_le_bytes()));
-    for MorphTarget { positions, normals } in morph_targets {
+    for MorphTarget { positions, normals, colours, uv_sets } in morph_targets {
         hash.add_vectors(positions.iter().map(|offset| offset.to_array()));
         hash.add_vectors(normals.iter().map(|offset| offset.to_array()));
+        hash.add_vectors(colours.iter().map(|offset| offset.to_array()));
+        hash.add_described(&uv_sets.len());
+        for set in uv_sets {
+            hash.add_vectors(set.iter().map(|offset| offset.to_array()));
+        }
     }
     hash.0.value()
 }
@@ -128,7 +133,8 @@ mod tests {
         environment::Lobe,
         model::{
             AlphaMode, Animation, Channel, Filter, Influence, Instance, Interpolation, Keys, LevelFilter,
-            Light, LightKind, Material, Minification, Node, Skin, TextureRef, Track, Transform, Wrap,
+            Light, LightKind, Material, Minification, Node, Property, Skin, TextureRef, Track, Transform,
+            Wrap,
         },
         particle::{Particle, ParticleSystem, Turbulence},
     };
@@ -146,7 +152,12 @@ mod tests {
             indices: vec![[0, 1, 2]],
             influences: vec![Influence { joint: 0, weight: 0.25 }; 12],
             influences_per_vertex: 4,
-            morph_targets: vec![MorphTarget { positions: vec![Vec3::Z; 3], normals: vec![Vec3::X; 3] }],
+            morph_targets: vec![MorphTarget {
+                positions: vec![Vec3::Z; 3],
+                normals: vec![Vec3::X; 3],
+                colours: vec![Vec4::X; 3],
+                uv_sets: vec![vec![Vec2::X; 3]],
+            }],
         };
         let particle = Particle {
             birth_secs: 0.0,
@@ -200,6 +211,7 @@ mod tests {
             animations: vec![Animation {
                 name: String::new(),
                 channels: vec![Channel { node: 0, track: Track::Translation(keys) }],
+                properties: vec![Property::BaseColour { material: 0, factor: Keys::constant(Vec4::ONE) }],
             }],
             particles: vec![ParticleSystem {
                 name: String::new(),
@@ -267,6 +279,10 @@ mod tests {
             };
             parts.animations[0].channels[0].track = Track::Rotation(keys);
         }),
+        ("animated property", |parts| {
+            let factor = Keys::constant(Vec4::ZERO);
+            parts.animations[0].properties[0] = Property::BaseColour { material: 0, factor };
+        }),
         ("particle", |parts| parts.particles[0].particles[0].alpha = 0.5_f32.next_up()),
         ("light", |parts| parts.lights[0].intensity.y = 2.0),
         ("environment", |parts| {
@@ -288,6 +304,8 @@ mod tests {
         ("joint", |parts| parts.meshes[0].influences[5].joint = 1),
         ("weight of a joint", |parts| parts.meshes[0].influences[5].weight = 0.25_f32.next_up()),
         ("morph displacement", |parts| parts.meshes[0].morph_targets[0].positions[0].x = 0.1),
+        ("morphed colour", |parts| parts.meshes[0].morph_targets[0].colours[0].w = 0.1),
+        ("morphed texture coordinate", |parts| parts.meshes[0].morph_targets[0].uv_sets[0][0].y = 0.1),
         ("morphed normal", |parts| parts.meshes[0].morph_targets[0].normals[0].y = 0.1),
         ("displacements taken for normals", |parts| {
             let target = &mut parts.meshes[0].morph_targets[0];

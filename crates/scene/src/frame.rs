@@ -8,24 +8,31 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
-use crate::{camera::CameraPose, model::LightKind, scene::Scene};
+use crate::{
+    camera::CameraPose,
+    model::{LightKind, Material},
+    scene::Scene,
+};
 
 mod animator;
 mod attribute;
 mod deform;
 mod footprint;
 mod pose;
+mod property;
 mod storage;
 mod surface;
 
 use attribute::{QUAD_UVS, mix};
+use property::Properties;
 
 pub use animator::Animator;
 pub(crate) use deform::for_each_vertex_at_rest;
 pub use footprint::{HEAD_ON, LEAST_GRAZING};
 pub(crate) use pose::camera_pose;
 pub use storage::{
-    Look, MIRRORED, NO_TEXTURE, OPAQUE, SINGLE_SIDED, SLOT, StaticCounts, TINTED, TriangleOpacity,
+    Look, MIRRORED, MorphedAttributes, NO_TEXTURE, OPAQUE, SINGLE_SIDED, SLOT, StaticCounts, TINTED,
+    TriangleOpacity,
 };
 pub use surface::{Beam, Surface};
 
@@ -82,6 +89,8 @@ pub struct Frame {
     opacity_slot: Vec<u32>,
     opacities: Vec<TriangleOpacity>,
     deformed_normals: Vec<Vec3>,
+    morphed_attributes: Vec<MorphedAttributes>,
+    properties: Properties,
     lights: Vec<FrameLight>,
     is_still: bool,
 }
@@ -111,10 +120,24 @@ impl Frame {
         &self.previous_camera
     }
 
-    /// Whether the previous frame shows the same: camera, geometry and lights are where they were.
+    /// Whether the previous frame shows the same: camera, geometry and lights are where they were, and
+    /// nothing looks otherwise.
     #[must_use]
     pub fn is_still(&self) -> bool {
         self.is_still
+    }
+
+    /// All materials at the time of the frame, in the order of the scene's.
+    #[must_use]
+    pub fn materials(&self) -> &[Material] {
+        let animated = &self.properties.materials;
+        if animated.is_empty() { &self.scene.parts().materials } else { animated }
+    }
+
+    /// Whether [`Self::materials`] are others in other frames.
+    #[must_use]
+    pub fn animates_materials(&self) -> bool {
+        !self.properties.materials.is_empty()
     }
 
     /// All triangles in world space; the first [`Self::static_count`] never move.
@@ -212,7 +235,7 @@ impl Frame {
     /// Whether the light that passes a surface somewhere takes its colour.
     #[must_use]
     pub fn tints_light(&self) -> bool {
-        self.scene.parts().materials.iter().any(|material| material.transmission > 0.0)
+        self.materials().iter().any(|material| material.transmission > 0.0)
     }
 
     #[inline]
@@ -295,5 +318,11 @@ impl Frame {
     #[must_use]
     pub fn deformed_normals(&self) -> &[Vec3] {
         &self.deformed_normals
+    }
+
+    /// Colours and texture coordinates of meshes that morph them; see [`Look::Deformed`].
+    #[must_use]
+    pub fn morphed_attributes(&self) -> &[MorphedAttributes] {
+        &self.morphed_attributes
     }
 }

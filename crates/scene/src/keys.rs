@@ -2,9 +2,9 @@
 
 use std::ops::{Add, Mul};
 
-use glam::{Quat, Vec3};
+use glam::{Quat, Vec2, Vec3, Vec4};
 
-use crate::model::{Interpolation, Keys, Track};
+use crate::model::{Animation, Interpolation, Keys, Property, Track};
 
 /// A value that an animation can interpolate between its keys.
 pub trait Interpolate: Clone {
@@ -20,14 +20,28 @@ fn weighted<T: Copy + Mul<f32, Output = T> + Add<Output = T>>([a, b, c, d]: [(&T
     *a.0 * a.1 + *b.0 * b.1 + *c.0 * c.1 + *d.0 * d.1
 }
 
-impl Interpolate for Vec3 {
+impl Interpolate for f32 {
     fn linear(&self, to: &Self, s: f32) -> Self {
-        self.lerp(*to, s)
+        self + (to - self) * s
     }
     fn sum(terms: [(&Self, f32); 4]) -> Self {
         weighted(terms)
     }
 }
+
+macro_rules! interpolate_vectors {
+    ($($vector:ty),*) => {$(
+        impl Interpolate for $vector {
+            fn linear(&self, to: &Self, s: f32) -> Self {
+                self.lerp(*to, s)
+            }
+            fn sum(terms: [(&Self, f32); 4]) -> Self {
+                weighted(terms)
+            }
+        }
+    )*};
+}
+interpolate_vectors!(Vec2, Vec3, Vec4);
 
 impl Interpolate for Quat {
     fn linear(&self, to: &Self, s: f32) -> Self {
@@ -49,7 +63,26 @@ impl Interpolate for Vec<f32> {
     }
 }
 
+impl Interpolation {
+    /// How many values belong to a key: splines have a tangent before it and one after it.
+    pub(crate) fn values_per_key(self) -> usize {
+        if self == Self::CubicSpline { 3 } else { 1 }
+    }
+}
+
 impl<T> Keys<T> {
+    /// What stays as it is.
+    #[must_use]
+    pub fn constant(value: T) -> Self {
+        Self { times_secs: vec![0.0], values: vec![value], interpolation: Interpolation::Step }
+    }
+
+    /// The values at the keys, without the tangents of splines.
+    pub(crate) fn key_values_mut(&mut self) -> impl Iterator<Item = &mut T> {
+        let values_per_key = self.interpolation.values_per_key();
+        self.values.iter_mut().skip(values_per_key / 2).step_by(values_per_key)
+    }
+
     /// Time of the last key, seconds; 0 without keys.
     #[must_use]
     pub fn end_secs(&self) -> f32 {
@@ -99,6 +132,38 @@ impl Track {
             Self::Rotation(keys) => keys.end_secs(),
             Self::MorphWeights(keys) => keys.end_secs(),
         }
+    }
+}
+
+impl Property {
+    /// Time of the last key, seconds; 0 without keys.
+    #[must_use]
+    pub fn end_secs(&self) -> f32 {
+        match self {
+            Self::BaseColour { factor, .. } => factor.end_secs(),
+            Self::Emissive { factor, strength, .. } => factor.end_secs().max(strength.end_secs()),
+            Self::Factor { value, .. } | Self::Lens { value, .. } => value.end_secs(),
+            Self::TextureTransform { offset, rotation_rad, scale, .. } => {
+                offset.end_secs().max(rotation_rad.end_secs()).max(scale.end_secs())
+            }
+            Self::LightIntensity { colour, intensity, .. } => colour.end_secs().max(intensity.end_secs()),
+            Self::Visibility { visible, .. } => visible.end_secs(),
+        }
+    }
+}
+
+impl Animation {
+    /// Time of the last key of all, seconds: then it starts anew. 0 without keys.
+    #[must_use]
+    pub fn duration_secs(&self) -> f32 {
+        let channels = self.channels.iter().map(|channel| channel.track.end_secs());
+        channels.chain(self.properties.iter().map(Property::end_secs)).fold(0.0, f32::max)
+    }
+
+    /// The time within the loop.
+    pub(crate) fn looped(&self, time_secs: f32) -> f32 {
+        let duration_secs = self.duration_secs();
+        if duration_secs > 0.0 { time_secs.rem_euclid(duration_secs) } else { time_secs }
     }
 }
 

@@ -118,7 +118,7 @@ pub struct Mesh {
     pub influences: Vec<Influence>,
     /// 0 (not skinned), 4, 8, …
     pub influences_per_vertex: usize,
-    /// Displacements to blend in by morph weight.
+    /// Displacements of vertex attributes to blend in by morph weight.
     pub morph_targets: Vec<MorphTarget>,
 }
 
@@ -131,13 +131,18 @@ pub struct Influence {
     pub weight: f32,
 }
 
-/// Displacements of a mesh's vertices; empty lists do not displace.
+/// Displacements of a mesh's vertices; empty lists do not displace. Tangents need none: those of a mesh that
+/// is morphed follow its positions and texture coordinates.
 #[derive(Clone, Debug, Default)]
 pub struct MorphTarget {
     /// Added to positions, times the weight.
     pub positions: Vec<Vec3>,
     /// Added to normals, times the weight.
     pub normals: Vec<Vec3>,
+    /// Added to colours, times the weight; the sum is clamped to where colours may be.
+    pub colours: Vec<Vec4>,
+    /// Added to the texture coordinate sets, times the weight; at most as many sets as the mesh has.
+    pub uv_sets: Vec<Vec<Vec2>>,
 }
 
 /// A mesh drawn at a node.
@@ -205,7 +210,7 @@ pub enum AlphaMode {
 }
 
 /// What a surface looks like.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Material {
     /// Name for messages.
     pub name: String,
@@ -286,6 +291,26 @@ impl TextureRef {
     pub fn new(texture: u32) -> Self {
         Self { texture, uv_set: 0, transform: Affine2::IDENTITY }
     }
+
+    /// `texture_from_mesh_uv` of an offset, a rotation and a scale (`KHR_texture_transform`), which turns
+    /// counter-clockwise in an image whose v points down.
+    #[must_use]
+    pub fn transform_of(offset: Vec2, rotation_rad: f32, scale: Vec2) -> Affine2 {
+        Affine2::from_scale_angle_translation(scale, -rotation_rad, offset)
+    }
+}
+
+impl Material {
+    /// The place for a texture.
+    pub fn texture_mut(&mut self, slot: TextureSlot) -> &mut Option<TextureRef> {
+        match slot {
+            TextureSlot::BaseColour => &mut self.base_colour_texture,
+            TextureSlot::MetallicRoughness => &mut self.metallic_roughness_texture,
+            TextureSlot::Normal => &mut self.normal_texture,
+            TextureSlot::Occlusion => &mut self.occlusion_texture,
+            TextureSlot::Emissive => &mut self.emissive_texture,
+        }
+    }
 }
 
 /// Texels and how they are looked up. Two textures may share one image.
@@ -355,6 +380,8 @@ pub struct Animation {
     pub name: String,
     /// Tracks and what they move.
     pub channels: Vec<Channel>,
+    /// What changes that is no transform and no morph weight.
+    pub properties: Vec<Property>,
 }
 
 /// One animated property of one node.
@@ -377,6 +404,118 @@ pub enum Track {
     Scale(Keys<Vec3>),
     /// Replaces the morph weights of the instances at the node.
     MorphWeights(Keys<Vec<f32>>),
+}
+
+/// An animated value of a material, a light, a camera or a node's visibility (`KHR_animation_pointer`). What
+/// is made of several values has keys for each, a single one for what stays as it is.
+#[derive(Clone, Debug)]
+pub enum Property {
+    /// Replaces the base colour of a material; its alpha counts as far as the alpha mode says.
+    BaseColour {
+        /// Index into [`SceneParts::materials`].
+        material: u32,
+        /// Linear factor on colour and alpha, not multiplied; clamped to where it may be.
+        factor: Keys<Vec4>,
+    },
+    /// Replaces the radiance that a material emits.
+    Emissive {
+        /// Index into [`SceneParts::materials`].
+        material: u32,
+        /// Linear colour.
+        factor: Keys<Vec3>,
+        /// Multiplies it.
+        strength: Keys<f32>,
+    },
+    /// Replaces a number of a material.
+    Factor {
+        /// Index into [`SceneParts::materials`].
+        material: u32,
+        /// Which number.
+        which: Factor,
+        /// Its values; clamped to where they may be.
+        value: Keys<f32>,
+    },
+    /// Replaces how a texture of a material is laid out (`KHR_texture_transform`).
+    TextureTransform {
+        /// Index into [`SceneParts::materials`].
+        material: u32,
+        /// Which of its textures.
+        slot: TextureSlot,
+        /// Texture coordinates of the mesh's origin.
+        offset: Keys<Vec2>,
+        /// Counter-clockwise around the origin, radians.
+        rotation_rad: Keys<f32>,
+        /// Factors on the mesh's coordinates.
+        scale: Keys<Vec2>,
+    },
+    /// Replaces the intensity of lights.
+    LightIntensity {
+        /// Indices into [`SceneParts::lights`].
+        lights: Vec<u32>,
+        /// Linear colour.
+        colour: Keys<Vec3>,
+        /// Multiplies it; units as [`Light::intensity`].
+        intensity: Keys<f32>,
+    },
+    /// Replaces a number of cameras that hang on nodes.
+    Lens {
+        /// Indices into [`SceneParts::cameras`].
+        cameras: Vec<u32>,
+        /// Which number.
+        which: LensNumber,
+        /// Its values; clamped to where they may be.
+        value: Keys<f32>,
+    },
+    /// Shows a node and what hangs on it while the value is at least a half.
+    Visibility {
+        /// Index into [`SceneParts::nodes`].
+        node: u32,
+        /// 1 shown, 0 hidden.
+        visible: Keys<f32>,
+    },
+}
+
+/// A number of a material that can be animated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Factor {
+    /// [`AlphaMode::Mask`]'s cutoff.
+    AlphaCutoff,
+    /// [`Material::metallic`].
+    Metallic,
+    /// [`Material::roughness`].
+    Roughness,
+    /// [`Material::normal_scale`].
+    NormalScale,
+    /// [`Material::occlusion_strength`].
+    OcclusionStrength,
+}
+
+/// A number of a camera that can be animated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LensNumber {
+    /// Vertical field of view of a perspective camera, radians.
+    FieldOfView,
+    /// Half the height of the view of an orthographic camera, world units.
+    HalfHeight,
+    /// [`ClipPlanes::near`](crate::ClipPlanes::near).
+    Near,
+    /// [`ClipPlanes::far`](crate::ClipPlanes::far).
+    Far,
+}
+
+/// A place of a material for a texture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum TextureSlot {
+    /// [`Material::base_colour_texture`].
+    BaseColour,
+    /// [`Material::metallic_roughness_texture`].
+    MetallicRoughness,
+    /// [`Material::normal_texture`].
+    Normal,
+    /// [`Material::occlusion_texture`].
+    Occlusion,
+    /// [`Material::emissive_texture`].
+    Emissive,
 }
 
 /// Key times and values.

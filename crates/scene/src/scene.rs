@@ -9,7 +9,7 @@ use crate::{
     camera::{Camera, CameraKey, CameraMotion, Lens},
     content_hash,
     environment::Environment,
-    model::{AlphaMode, Interpolation, Keys, Mesh, SceneParts, Track, Transform},
+    model::{AlphaMode, Keys, Mesh, Property, SceneParts, Track, Transform},
     texture::{MipChain, Sampler, samplers},
 };
 
@@ -107,6 +107,13 @@ impl Scene {
             material.opacity = alpha.clamp(0.0, 1.0);
             if material.alpha_mode == AlphaMode::Blend {
                 material.base_colour.w = 1.0;
+            }
+        }
+        let properties = self.parts.animations.iter_mut().flat_map(|animation| &mut animation.properties);
+        for property in properties {
+            if let Property::BaseColour { factor, .. } = property {
+                factor.values.iter_mut().for_each(|colour| colour.w = 0.0);
+                factor.key_values_mut().for_each(|colour| colour.w = 1.0);
             }
         }
         self
@@ -288,7 +295,18 @@ fn validate_mesh(mesh: &Mesh, parts: &SceneParts) -> Result<(), String> {
             fits(target.positions.len()) && fits(target.normals.len()),
             "a morph target is too short or long",
         )?;
-        let finite = target.positions.iter().chain(&target.normals).all(|delta| delta.is_finite());
+        let uvs = &target.uv_sets;
+        say(
+            fits(target.colours.len()) && uvs.iter().all(|set| fits(set.len())),
+            "a morph target is too short or long",
+        )?;
+        say(
+            (target.colours.is_empty() || !mesh.colours.is_empty()) && uvs.len() <= mesh.uv_sets.len(),
+            "a morph target moves what the mesh does not have",
+        )?;
+        let finite = target.positions.iter().chain(&target.normals).all(|delta| delta.is_finite())
+            && target.colours.iter().all(|delta| delta.is_finite())
+            && uvs.iter().flatten().all(|delta| delta.is_finite());
         say(finite, "a morph displacement is not finite")?;
     }
     Ok(())
@@ -314,19 +332,50 @@ fn validate_instances(parts: &SceneParts) -> Result<(), Fault> {
     Ok(())
 }
 
-fn validate_animations(parts: &SceneParts) -> Result<(), Fault> {
-    fn keys_hold<T>(keys: &Keys<T>) -> bool {
-        let times = &keys.times_secs;
-        let values = match keys.interpolation {
-            Interpolation::CubicSpline => 3 * times.len(),
-            _ => times.len(),
-        };
-        !times.is_empty()
-            && keys.values.len() == values
-            && times.iter().all(|time| time.is_finite())
-            && times.windows(2).all(|pair| pair[0] < pair[1])
+fn keys_hold<T>(keys: &Keys<T>) -> bool {
+    let times = &keys.times_secs;
+    !times.is_empty()
+        && keys.values.len() == times.len() * keys.interpolation.values_per_key()
+        && times.iter().all(|time| time.is_finite())
+        && times.windows(2).all(|pair| pair[0] < pair[1])
+}
+
+fn validate_property(property: &Property, parts: &SceneParts) -> Result<(), String> {
+    let material = |index: &u32| (*index as usize) < parts.materials.len();
+    let (exists, whole) = match property {
+        Property::BaseColour { material: index, factor } => (material(index), keys_hold(factor)),
+        Property::Emissive { material: index, factor, strength } => {
+            (material(index), keys_hold(factor) && keys_hold(strength))
+        }
+        Property::Factor { material: index, value, .. } => (material(index), keys_hold(value)),
+        Property::TextureTransform { material: index, offset, rotation_rad, scale, .. } => {
+            (material(index), keys_hold(offset) && keys_hold(rotation_rad) && keys_hold(scale))
+        }
+        Property::LightIntensity { lights, colour, intensity } => {
+            let exist = lights.iter().all(|light| (*light as usize) < parts.lights.len());
+            (exist, keys_hold(colour) && keys_hold(intensity))
+        }
+        Property::Lens { cameras, value, .. } => {
+            (cameras.iter().all(|camera| (*camera as usize) < parts.cameras.len()), keys_hold(value))
+        }
+        Property::Visibility { node, visible } => ((*node as usize) < parts.nodes.len(), keys_hold(visible)),
+    };
+    if !exists {
+        return Err("what it changes is not there".to_owned());
     }
+    if !whole {
+        return Err("its keys are not in order, or too few or many values belong to them".to_owned());
+    }
+    Ok(())
+}
+
+fn validate_animations(parts: &SceneParts) -> Result<(), Fault> {
     for (index, animation) in parts.animations.iter().enumerate() {
+        for (number, property) in animation.properties.iter().enumerate() {
+            validate_property(property, parts).map_err(|problem| {
+                (format!("animation {index} '{}', property {number}", animation.name), problem)
+            })?;
+        }
         for (number, channel) in animation.channels.iter().enumerate() {
             let place = || format!("animation {index} '{}', channel {number}", animation.name);
             let node = parts.nodes.get(channel.node as usize);

@@ -9,8 +9,9 @@ use sheer_scene::{
     Animator, Beam, Camera, CameraChoice, FaceSide, Frame, Scene,
     camera::{CameraKey, CameraMotion},
     model::{
-        AlphaMode, Animation, Channel, Influence, Instance, Interpolation, Keys, Light, LightKind, Material,
-        Mesh, MorphTarget, Node, SceneParts, Skin, Texture, TextureRef, Track, Transform, Wrap,
+        AlphaMode, Animation, Channel, Factor, Influence, Instance, Interpolation, Keys, Light, LightKind,
+        Material, Mesh, MorphTarget, Node, Property, SceneParts, Skin, Texture, TextureRef, TextureSlot,
+        Track, Transform, Wrap,
     },
     particle::{Particle, ParticleSystem, Turbulence},
 };
@@ -61,6 +62,7 @@ fn sliding(keys: [Vec3; 2]) -> Vec<Animation> {
     vec![Animation {
         name: String::new(),
         channels: vec![Channel { node: 0, track: Track::Translation(keys) }],
+        properties: Vec::new(),
     }]
 }
 
@@ -155,7 +157,7 @@ fn skins_and_morphs_bend_positions_and_normals() {
     mesh.influences_per_vertex = 4;
     let bound = Influence { joint: 0, weight: 1.0 };
     mesh.influences = [bound, Influence::default(), Influence::default(), Influence::default()].repeat(4);
-    mesh.morph_targets = vec![MorphTarget { positions: vec![Vec3::Z; 4], normals: Vec::new() }];
+    mesh.morph_targets = vec![MorphTarget { positions: vec![Vec3::Z; 4], ..MorphTarget::default() }];
     let mut parts = parts_with(mesh, Material::default(), Transform::from_translation(Vec3::splat(100.0)));
     let quarter = Quat::from_rotation_y(std::f32::consts::FRAC_PI_2);
     parts.nodes.push(Node {
@@ -171,6 +173,192 @@ fn skins_and_morphs_bend_positions_and_normals() {
     // Morphed to z = 0.5, then turned so that z becomes x, then lifted; the node's own place does not count.
     assert!((surface.position - Vec3::new(0.5, 0.0, 1.0)).length() < 1e-5, "{:?}", surface.position);
     assert!((surface.normal - Vec3::X).length() < 1e-5, "{:?}", surface.normal);
+}
+
+fn linear<T>(from: T, to: T) -> Keys<T> {
+    Keys { times_secs: vec![0.0, 1.0], values: vec![from, to], interpolation: Interpolation::Linear }
+}
+
+/// A scene with an animation of a property, and of nothing else.
+fn with_property(material: Material, property: Property) -> SceneParts {
+    let mut parts = parts_with(quad(), material, Transform::IDENTITY);
+    parts.animations =
+        vec![Animation { name: String::new(), channels: Vec::new(), properties: vec![property] }];
+    parts
+}
+
+#[test]
+fn an_animated_opacity_is_that_of_its_moment() {
+    let material = Material { alpha_mode: AlphaMode::Blend, ..Material::default() };
+    let factor = linear(Vec4::ONE, Vec4::new(1.0, 0.0, 0.0, 0.0));
+    let parts = with_property(material, Property::BaseColour { material: 0, factor: factor.clone() });
+    let mut animator = animator(parts.clone());
+    for (time_secs, alpha) in [(0.0, 1.0), (0.25, 0.75), (0.75, 0.25), (1.25, 0.75)] {
+        let frame = animator.advance(time_secs, 0.0);
+        assert!((frame.opacity(0, 0.2, 0.2, 0.0) - alpha).abs() < 1e-6, "{time_secs}");
+        let green = frame.surface(0, 0.2, 0.2, true, BEAM).base_colour.y;
+        assert!((green - alpha).abs() < 1e-6, "{time_secs}: {green}");
+        assert_eq!(frame.is_still(), time_secs == 0.0);
+        assert!(frame.animates_materials());
+    }
+    // The opacity that a user asks for is the whole of it; the colour still changes.
+    let scene = Arc::new(Scene::new(parts).unwrap().with_alpha(0.5));
+    let camera = scene.camera(&CameraChoice::Default).unwrap();
+    let mut animator = Animator::new(scene, camera);
+    let frame = animator.advance(0.75, 0.0);
+    assert_eq!(frame.opacity(0, 0.2, 0.2, 0.0), 0.5);
+    assert!((frame.surface(0, 0.2, 0.2, true, BEAM).base_colour.y - 0.25).abs() < 1e-6);
+    // What is opaque is not made anew for its colour.
+    let parts = with_property(Material::default(), Property::BaseColour { material: 0, factor });
+    let opaque = self::animator(parts);
+    assert_eq!(opaque.frame().static_count(), 2);
+}
+
+#[test]
+fn animated_numbers_of_a_material_are_those_of_the_moment() {
+    let masked = Material {
+        alpha_mode: AlphaMode::Mask { cutoff: 0.5 },
+        base_colour: Vec4::new(1.0, 1.0, 1.0, 0.5),
+        ..Material::default()
+    };
+    let value = linear(0.0, 1.0);
+    let property = Property::Factor { material: 0, which: Factor::AlphaCutoff, value: value.clone() };
+    let mut animator = animator(with_property(masked.clone(), property));
+    assert_eq!(animator.advance(0.4, 0.4).opacity(0, 0.2, 0.2, 0.0), 1.0);
+    assert_eq!(animator.advance(0.6, 0.6).opacity(0, 0.2, 0.2, 0.0), 0.0);
+
+    let property =
+        Property::Emissive { material: 0, factor: Keys::constant(Vec3::X), strength: linear(0.0, 8.0) };
+    let mut animator = self::animator(with_property(masked.clone(), property));
+    assert_eq!(animator.advance(0.5, 0.5).surface(0, 0.2, 0.2, true, BEAM).emissive, Vec3::X * 4.0);
+
+    let property = Property::Factor { material: 0, which: Factor::Roughness, value };
+    let mut animator = self::animator(with_property(masked, property));
+    let frame = animator.advance(0.25, 0.5);
+    assert_eq!(frame.surface(0, 0.2, 0.2, true, BEAM).roughness, 0.25);
+    assert!(!frame.is_still() && frame.static_count() == 2);
+}
+
+#[test]
+fn a_texture_is_laid_out_as_at_the_moment_for_colour_and_opacity() {
+    let texels = [[255, 0, 0, 255], [0, 0, 255, 51]];
+    let texture = Texture {
+        name: String::new(),
+        image: Arc::new(Image::from_vec(2, 1, texels.to_vec()).unwrap()),
+        srgb: true,
+        wrap: [Wrap::Repeat; 2],
+        filter: sheer_scene::model::Filter::Nearest,
+        minification: sheer_scene::model::Minification::default(),
+    };
+    let material = Material {
+        alpha_mode: AlphaMode::Blend,
+        base_colour_texture: Some(TextureRef::new(0)),
+        ..Material::default()
+    };
+    let property = Property::TextureTransform {
+        material: 0,
+        slot: TextureSlot::BaseColour,
+        offset: linear(Vec2::ZERO, Vec2::X),
+        rotation_rad: Keys::constant(0.0),
+        scale: Keys::constant(Vec2::ONE),
+    };
+    let parts = SceneParts { textures: vec![texture], ..with_property(material, property) };
+    let mut animator = animator(parts);
+    // u is 0.25 where u and v are, and 0.75 half a picture later.
+    let mut seen = |time_secs| {
+        let frame = animator.advance(time_secs, 0.0);
+        let at = (0.05, 0.2);
+        (frame.surface(0, at.0, at.1, true, BEAM).base_colour, frame.opacity(0, at.0, at.1, 0.0))
+    };
+    for (time_secs, colour, alpha) in [(0.0, Vec3::X, 1.0), (0.5, Vec3::Z, 0.2)] {
+        let (found, opacity) = seen(time_secs);
+        assert!(found.abs_diff_eq(colour, 1e-5) && (opacity - alpha).abs() < 1e-5, "{found} {opacity}");
+    }
+}
+
+#[test]
+fn a_hidden_node_is_not_there_and_nor_is_what_hangs_on_it() {
+    let property = Property::Visibility { node: 0, visible: linear(0.0, 1.0) };
+    let mut parts = with_property(Material::default(), property);
+    parts.nodes.push(Node { name: String::new(), parent: Some(0), transform: Transform::IDENTITY });
+    parts.instances[0].node = 1;
+    let kind = LightKind::Directional;
+    parts.lights = vec![Light { name: String::new(), node: 1, intensity: Vec3::ONE, kind }];
+    let mut animator = animator(parts);
+    let mut shown = |time_secs, previous_secs| {
+        let frame = animator.advance(time_secs, previous_secs);
+        (
+            frame.triangles().len(),
+            frame.previous_moving().len(),
+            frame.lights()[0].intensity.x,
+            frame.is_still(),
+        )
+    };
+    assert_eq!(shown(0.25, 0.0), (0, 0, 0.0, true));
+    assert_eq!(shown(0.75, 0.25), (2, 2, 1.0, false));
+    assert_eq!(shown(0.25, 0.75), (0, 0, 0.0, false));
+}
+
+#[test]
+fn an_animated_light_shines_as_at_the_moment() {
+    let property = Property::LightIntensity {
+        lights: vec![0],
+        colour: linear(Vec3::X, Vec3::Y),
+        intensity: Keys::constant(4.0),
+    };
+    let mut parts = with_property(Material::default(), property);
+    let kind = LightKind::Directional;
+    parts.lights = vec![Light { name: String::new(), node: 0, intensity: Vec3::ONE, kind }];
+    let mut animator = animator(parts);
+    let frame = animator.advance(0.25, 0.0);
+    assert_eq!(frame.lights()[0].intensity, Vec3::new(3.0, 1.0, 0.0));
+    assert!(!frame.is_still());
+}
+
+#[test]
+fn colours_and_texture_coordinates_morph_by_the_weights_of_the_moment() {
+    let mut mesh = quad();
+    mesh.colours = vec![Vec4::ONE; 4];
+    mesh.morph_targets = vec![MorphTarget {
+        colours: vec![Vec4::new(0.0, -0.5, 0.0, -0.8); 4],
+        uv_sets: vec![vec![Vec2::X * 0.5; 4]],
+        ..MorphTarget::default()
+    }];
+    let texels = [[255, 255, 255, 255], [0, 0, 0, 255]];
+    let texture = Texture {
+        name: String::new(),
+        image: Arc::new(Image::from_vec(2, 1, texels.to_vec()).unwrap()),
+        srgb: true,
+        wrap: [Wrap::Repeat; 2],
+        filter: sheer_scene::model::Filter::Nearest,
+        minification: sheer_scene::model::Minification::default(),
+    };
+    let material = Material {
+        alpha_mode: AlphaMode::Blend,
+        emissive: Vec3::ONE,
+        emissive_texture: Some(TextureRef::new(0)),
+        ..Material::default()
+    };
+    let mut parts = parts_with(mesh, material, Transform::IDENTITY);
+    parts.textures = vec![texture];
+    let weights = linear(vec![0.0], vec![2.0]);
+    parts.animations = vec![Animation {
+        name: String::new(),
+        channels: vec![Channel { node: 0, track: Track::MorphWeights(weights) }],
+        properties: Vec::new(),
+    }];
+    let mut animator = animator(parts);
+    for (time_secs, alpha, green, texel) in
+        [(0.0, 1.0, 1.0, 1.0), (0.5, 0.2, 0.5, 0.0), (0.99, 0.0, 0.01, 1.0)]
+    {
+        let frame = animator.advance(time_secs, 0.0);
+        let surface = frame.surface(0, 0.05, 0.2, true, BEAM);
+        assert!((frame.opacity(0, 0.05, 0.2, 0.0) - alpha).abs() < 1e-5, "{time_secs}");
+        assert!((surface.base_colour.y - green).abs() < 1e-5, "{time_secs}: {surface:?}");
+        assert!((surface.emissive.x - texel).abs() < 1e-5, "{time_secs}");
+        // Nothing moves, but all looks otherwise.
+        assert_eq!(frame.is_still(), time_secs == 0.0);
+    }
 }
 
 fn particles() -> SceneParts {

@@ -66,6 +66,30 @@ fn a_file_that_cannot_be_read_is_a_failure_and_named() {
 }
 
 #[test]
+fn a_part_that_is_lost_is_a_warning_or_under_strict_a_failure() {
+    const POSITIONS: &str = "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA";
+    let folder = tempfile::tempdir().unwrap();
+    let json = format!(
+        r#"{{"asset": {{"version": "2.0"}}, "nodes": [{{"mesh": 0}}],
+            "meshes": [{{"primitives": [{{"attributes": {{"POSITION": 0}}, "material": 0}}]}}],
+            "materials": [{{"emissiveTexture": {{"index": 0}}}}], "textures": [{{"source": 0}}],
+            "images": [{{"uri": "gone.png"}}],
+            "accessors": [{{"bufferView": 0, "componentType": 5126, "type": "VEC3", "count": 3}}],
+            "bufferViews": [{{"buffer": 0, "byteLength": 36}}],
+            "buffers": [{{"byteLength": 36, "uri": "data:;base64,{POSITIONS}"}}]}}"#
+    );
+    std::fs::write(folder.path().join("a.gltf"), json).unwrap();
+    let loss = "a.gltf: images[0] ('gone.png'): cannot read gone.png";
+    let outcome = succeed(folder.path(), "render a.gltf -m baseline -a none --size 8x8 -o a.png");
+    assert!(outcome.stderr.contains(&format!("warning: {loss}")), "{outcome:?}");
+    for verb in ["render", "compare", "bench"] {
+        let outcome = sheer(folder.path(), &format!("{verb} a.gltf --strict --size 8x8"));
+        assert_eq!(outcome.code, Some(1), "{outcome:?}");
+        assert!(outcome.stderr.contains(&format!("error: {loss}")), "{outcome:?}");
+    }
+}
+
+#[test]
 fn lists_have_one_line_each_with_the_name_first() {
     let folder = tempfile::tempdir().unwrap();
     let first_words = |verb: &str| {

@@ -1,5 +1,5 @@
-// 2 words in, the bits of a point in pixels; 8 out, the bits of the origin and the direction of its ray, and of
-// the distances between which the camera sees.
+// 2 words in, the bits of a point in pixels; 8 out, the bits of the origin and the direction of its ray, and
+// of the distances between which the camera sees.
 #import probe/io
 #import shared/camera
 

@@ -3,9 +3,9 @@
 use std::iter;
 
 use glam::Vec3;
-use sheer_scene::Frame;
+use sheer_scene::{Frame, model::MorphTarget};
 
-use self::atlas::Atlas;
+use self::{atlas::Atlas, records::MorphedOffsets};
 use crate::{
     error::GpuError,
     resource::list::{ListBuffer, STORAGE},
@@ -64,9 +64,19 @@ pub struct SceneBuffers {
     environment_map_bytes: u64,
     /// Where each mesh lies in `attributes` and `indices`.
     meshes: Vec<MeshOffsets>,
+    /// What `attributes` holds, in a scene that morphs some of it: what is morphed comes after the meshes'.
+    morphing: Option<Morphing>,
     /// What `triangles` and `objects` hold: the frame has it in another form.
     triangle_words: Vec<[u32; 2]>,
     object_records: Vec<Object>,
+}
+
+/// The contents of a buffer of attributes that grows with each frame.
+#[derive(Debug)]
+struct Morphing {
+    attributes: Vec<f32>,
+    /// How many of them are the meshes' own.
+    own_count: usize,
 }
 
 impl SceneBuffers {
@@ -83,7 +93,7 @@ impl SceneBuffers {
             .map(|mesh| MeshOffsets::append(mesh, &mut attributes, &mut indices))
             .collect();
         let atlas = Atlas::new(frame.scene(), &device.limits())?;
-        let materials: Vec<_> = parts.materials.iter().map(Material::new).collect();
+        let materials: Vec<_> = frame.materials().iter().map(Material::new).collect();
         let textures = Texture::all(&parts.textures, &atlas);
         let lobes: Vec<_> = parts.environment.lobes.iter().map(Lobe::new).collect();
 
@@ -115,9 +125,17 @@ impl SceneBuffers {
             environment_map_bytes: environment_map::bytes(&environment_map),
             environment_map: environment_map.create_view(&wgpu::TextureViewDescriptor::default()),
             meshes,
+            morphing: None,
             triangle_words: Vec::new(),
             object_records: Vec::new(),
         };
+        let morphs = |target: &MorphTarget| {
+            !target.colours.is_empty() || target.uv_sets.iter().any(|set| !set.is_empty())
+        };
+        if parts.meshes.iter().flat_map(|mesh| &mesh.morph_targets).any(morphs) {
+            let own_count = attributes.len();
+            buffers.morphing = Some(Morphing { attributes, own_count });
+        }
         buffers.update(device, queue, frame)?;
         Ok(buffers)
     }
@@ -140,11 +158,29 @@ impl SceneBuffers {
         self.triangle_words.extend(words.map(|(&object, &slot)| [object, slot]));
         self.object_records.truncate(still.objects);
         let first = self.object_records.len();
-        let objects = frame.objects()[first..].iter().map(|object| Object::new(object, &self.meshes));
+        let mut attributes_grew = false;
+        let mut morphed = Vec::new();
+        if let Some(Morphing { attributes, own_count }) = &mut self.morphing {
+            attributes.truncate(*own_count);
+            morphed.extend(
+                frame.morphed_attributes().iter().map(|lists| MorphedOffsets::append(lists, attributes)),
+            );
+            attributes_grew = self.attributes.send(device, queue, *own_count, attributes)?;
+        }
+        let objects =
+            frame.objects()[first..].iter().map(|object| Object::new(object, &self.meshes, &morphed));
         self.object_records.extend(objects);
+        let materials_grew = if frame.animates_materials() {
+            let materials: Vec<_> = frame.materials().iter().map(Material::new).collect();
+            self.materials.send(device, queue, 0, &materials)?
+        } else {
+            false
+        };
         let lights: Vec<_> = frame.lights().iter().map(Light::new).collect();
 
         let grown = [
+            attributes_grew,
+            materials_grew,
             self.positions.send(device, queue, still.triangles, frame.triangles())?,
             self.previous_positions.send(device, queue, 0, frame.previous_moving())?,
             self.triangles.send(device, queue, still.triangles, &self.triangle_words)?,

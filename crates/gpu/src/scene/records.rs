@@ -3,7 +3,7 @@
 use bytemuck::Zeroable as _;
 use glam::Mat3;
 use sheer_scene::{
-    FrameLight, Look, Object as FrameObject,
+    FrameLight, Look, MorphedAttributes, Object as FrameObject,
     environment::Lobe as EnvironmentLobe,
     model::{LightKind, Material as SceneMaterial, Mesh, Texture as SceneTexture, TextureRef},
 };
@@ -52,8 +52,34 @@ impl MeshOffsets {
     }
 }
 
+/// Where the attributes lie that a morphed mesh does not have from itself.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct MorphedOffsets {
+    colours: Option<u32>,
+    uv_sets: Option<u32>,
+}
+
+impl MorphedOffsets {
+    /// Appends the lists to the buffer's contents.
+    pub(super) fn append(lists: &MorphedAttributes, attributes: &mut Vec<f32>) -> Self {
+        let colours = (!lists.colours.is_empty()).then_some(attributes.len() as u32);
+        attributes.extend_from_slice(bytemuck::cast_slice(&lists.colours));
+        let uv_sets = (!lists.uv_sets.is_empty()).then_some(attributes.len() as u32);
+        lists.uv_sets.iter().for_each(|set| attributes.extend_from_slice(bytemuck::cast_slice(set)));
+        Self { colours, uv_sets }
+    }
+
+    fn of(self, mesh: MeshOffsets) -> MeshOffsets {
+        MeshOffsets {
+            colours: self.colours.unwrap_or(mesh.colours),
+            uv_sets: self.uv_sets.unwrap_or(mesh.uv_sets),
+            ..mesh
+        }
+    }
+}
+
 impl Object {
-    pub(crate) fn new(object: &FrameObject, meshes: &[MeshOffsets]) -> Self {
+    pub(super) fn new(object: &FrameObject, meshes: &[MeshOffsets], morphed: &[MorphedOffsets]) -> Self {
         let mut record = Self {
             id: object.id,
             geometry: object.geometry,
@@ -72,9 +98,12 @@ impl Object {
                 record.axes[..9].copy_from_slice(&columns(&normal_from_object));
                 record.axes[9..].copy_from_slice(&columns(&vector_from_object));
             }
-            Look::Deformed { mesh, first_normal } => {
+            Look::Deformed { mesh, first_normal, attributes } => {
                 record.look = LOOK_DEFORMED;
                 record.mesh = meshes[mesh as usize];
+                if let Some(index) = attributes {
+                    record.mesh = morphed[index as usize].of(record.mesh);
+                }
                 record.first_deformed_normal = first_normal.unwrap_or(NONE);
             }
             Look::Quad { right, up, tile_origin, tile_size, tint } => {

@@ -11,7 +11,7 @@ use std::{
     sync::{Arc, LazyLock},
 };
 
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec3, Vec4};
 use sheer_gpu::{AdapterChoice, Gpu, GpuBackend, GpuPathChoice, GpuPipeline, GpuStage, Tracer};
 use sheer_image::{Image, Planes};
 use sheer_lab::{
@@ -19,7 +19,10 @@ use sheer_lab::{
     picture,
 };
 use sheer_render::{Antialiasing, Backend, Background, Method, Moment, Settings, Stage, backend::Cpu};
-use sheer_scene::{CameraChoice, Environment, Scene};
+use sheer_scene::{
+    CameraChoice, ClipPlanes, Environment, Scene, SceneParts,
+    model::{Animation, Interpolation, Keys, MorphTarget, Property},
+};
 
 /// Three built-in scenes, two files, some with an opacity for everything.
 const SCENES: [(&str, Option<f32>); 5] = [
@@ -241,5 +244,67 @@ fn another_seed_or_method_is_noticed() {
         for difference in [seed, method] {
             assert!(!difference.shows_same(TOLERANCE), "the check is blind on {name}: {difference}");
         }
+    }
+}
+
+/// Layers of which the nearest and the background are beyond the camera's clip planes; one fades, one glows,
+/// and one has the colours of a morph.
+fn layers_that_change() -> Arc<Scene> {
+    let mut parts = sheer_gallery::open("layers:count=6,alpha=0.3").unwrap().scene.parts().clone();
+    let keys = |from: Vec4, to: Vec4| Keys {
+        times_secs: vec![0.0, 1.0],
+        values: vec![from, to],
+        interpolation: Interpolation::Linear,
+    };
+    let fading = keys(Vec4::ONE, Vec4::new(0.2, 0.4, 0.6, 0.1));
+    let glow =
+        Keys { times_secs: vec![0.0, 1.0], values: vec![0.0, 4.0], interpolation: Interpolation::Linear };
+    parts.animations.push(Animation {
+        properties: vec![
+            Property::BaseColour { material: 0, factor: fading },
+            Property::Emissive { material: 1, factor: Keys::constant(Vec3::ONE), strength: glow },
+        ],
+        ..Animation::default()
+    });
+    let morphed = &mut parts.meshes[2];
+    morphed.colours = vec![Vec4::ONE; morphed.positions.len()];
+    let deltas = (0..morphed.positions.len()).map(|vertex| Vec4::new(-0.2, 0.0, -0.1, -0.25 * vertex as f32));
+    morphed.morph_targets = vec![MorphTarget { colours: deltas.collect(), ..MorphTarget::default() }];
+    for instance in parts.instances.iter_mut().filter(|instance| instance.mesh == 2) {
+        instance.morph_weights = vec![0.5];
+    }
+
+    let stage = cpu_stage(&Arc::new(Scene::new(parts.clone()).unwrap()));
+    let frame = stage.frame();
+    let mut depths: Vec<f32> =
+        frame.triangles().iter().map(|corners| frame.camera().view_depth(corners[0])).collect();
+    depths.sort_by(f32::total_cmp);
+    depths.dedup();
+    let [nearest, next, .., last, background] = depths[..] else { panic!("{depths:?}") };
+    parts.cameras[0].clip = ClipPlanes { near: 0.5 * (nearest + next), far: 0.5 * (last + background) };
+    Arc::new(Scene::new(parts).unwrap())
+}
+
+#[test]
+fn clip_planes_and_what_changes_its_look_are_the_cpus_on_both_paths() {
+    let scene = layers_that_change();
+    let mut stage = cpu_stage(&scene);
+    let expected = on_cpu(&mut stage, "baseline");
+    for path in [GpuPathChoice::Ray, GpuPathChoice::Raster] {
+        let difference = difference(&stage, &expected, &on_gpu(&GPU, path, &scene, "baseline", 0));
+        assert!(difference.shows_same(TOLERANCE), "{path:?}: {difference}");
+    }
+    // Each of them is seen.
+    let without: [fn(&mut SceneParts); 3] = [
+        |parts| parts.animations.clear(),
+        |parts| parts.instances.iter_mut().for_each(|instance| instance.morph_weights.fill(0.0)),
+        |parts| parts.cameras[0].clip = ClipPlanes::NONE,
+    ];
+    for change in without {
+        let mut parts = scene.parts().clone();
+        change(&mut parts);
+        let other = on_cpu(&mut cpu_stage(&Arc::new(Scene::new(parts).unwrap())), "baseline");
+        let difference = difference(&stage, &expected, &other);
+        assert!(!difference.shows_same(TOLERANCE), "the check is blind: {difference}");
     }
 }

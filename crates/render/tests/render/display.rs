@@ -6,7 +6,7 @@ use sheer_image::{DisplayShare, Image};
 use sheer_render::{Antialiasing, Background, Settings, Stage, cpu::display_share};
 use sheer_scene::{
     CameraChoice, Scene,
-    camera::{Camera, CameraKey, CameraMotion, Lens},
+    camera::{Camera, CameraKey, CameraMotion, ClipPlanes, Lens},
     model::{AlphaMode, Instance, Material, Mesh, Node, SceneParts, ShadingModel, Transform},
 };
 
@@ -48,6 +48,7 @@ fn stage(cards: &[(f32, f32, f32, ShadingModel, f32)]) -> Stage {
     parts.cameras.push(Camera {
         name: "front".into(),
         lens: Lens::Orthographic { half_height: 1.0 },
+        clip: ClipPlanes::NONE,
         motion: CameraMotion::Path { keys: vec![key] },
     });
     Stage::new(Scene::new(parts).unwrap(), &CameraChoice::Default, Some(1)).unwrap()

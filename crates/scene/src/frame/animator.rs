@@ -7,10 +7,11 @@ use rayon::prelude::*;
 
 use super::{
     Frame, FrameLight, Object,
-    attribute::{QUAD_UVS, corner_uvs, gather},
-    deform::{deform, normal_matrix},
+    attribute::{QUAD_UVS, VertexLists, gather},
+    deform::{deform, morph_attributes, normal_matrix},
     footprint::texel_density,
     pose::{NodePose, camera_pose, instance_moves, moving_nodes},
+    property::{Changing, Properties},
     storage::{Look, MIRRORED, OPAQUE, SINGLE_SIDED, StaticCounts, TINTED, TriangleOpacity},
 };
 use crate::{
@@ -24,7 +25,7 @@ use crate::{
 #[derive(Clone, Debug)]
 pub struct Animator {
     camera: Camera,
-    /// Instances that move, in the order of their triangles.
+    /// Instances that move or change their opacity, in the order of their triangles.
     moving: Vec<u32>,
     first_particle_id: u32,
     frame: Frame,
@@ -37,8 +38,9 @@ impl Animator {
         let parts = scene.parts();
         let node_moves = moving_nodes(parts);
         let pose = camera_pose(scene.parts(), &camera, 0.0);
-        let (moving, still): (Vec<u32>, Vec<u32>) =
-            (0..parts.instances.len() as u32).partition(|&index| instance_moves(parts, &node_moves, index));
+        let changing = Changing::of(parts);
+        let (moving, still): (Vec<u32>, Vec<u32>) = (0..parts.instances.len() as u32)
+            .partition(|&index| instance_moves(parts, &node_moves, index) || changing.has(parts, index));
         let first_particle_id = parts.instances.iter().map(|instance| instance.id + 1).max().unwrap_or(0);
         let frame = Frame {
             scene: Arc::clone(&scene),
@@ -53,6 +55,8 @@ impl Animator {
             opacity_slot: Vec::new(),
             opacities: Vec::new(),
             deformed_normals: Vec::new(),
+            morphed_attributes: Vec::new(),
+            properties: Properties::at(parts, 0.0),
             lights: Vec::new(),
             is_still: true,
         };
@@ -84,6 +88,11 @@ impl Animator {
         self.frame.camera = camera_pose(scene.parts(), &self.camera, time_secs);
         self.frame.previous_camera = camera_pose(scene.parts(), &self.camera, previous_secs);
 
+        // Materials and visibility, which are those of the moment also where things were.
+        self.frame.properties = Properties::at(scene.parts(), time_secs);
+        let previous_properties =
+            (previous_secs != time_secs).then(|| Properties::at(scene.parts(), previous_secs));
+
         // Meshes: first where they were, then where they are.
         self.truncate_to_static();
         let has_lights = !scene.parts().lights.is_empty();
@@ -95,6 +104,7 @@ impl Animator {
         let mut previous = std::mem::take(&mut self.frame.previous_moving);
         previous.clear();
         previous.extend_from_slice(&self.frame.triangles[self.frame.static_count()..]);
+        let previous_attributes = std::mem::take(&mut self.frame.morphed_attributes);
         self.truncate_to_static();
         let pose = NodePose::at(scene.parts(), time_secs);
         self.emit_moving(&pose);
@@ -110,7 +120,7 @@ impl Animator {
             next_id += system.particles.len() as u32;
         }
         self.frame.lights.clear();
-        self.frame.lights.extend(lights_at(scene.parts(), &pose));
+        self.frame.lights.extend(lights_at(scene.parts(), &pose, &self.frame.properties));
 
         // Particles change their opacity even where they stay.
         let frame = &mut self.frame;
@@ -118,8 +128,11 @@ impl Animator {
         frame.is_still = frame.camera == frame.previous_camera
             && !lives
             && frame.previous_moving == frame.triangles[frame.static_counts.triangles..]
-            && previous_pose
-                .is_none_or(|pose| lights_at(scene.parts(), &pose).eq(frame.lights.iter().copied()));
+            && (previous_secs == time_secs || previous_attributes == frame.morphed_attributes)
+            && previous_properties.as_ref().is_none_or(|previous| *previous == frame.properties)
+            && previous_pose.is_none_or(|pose| {
+                lights_at(scene.parts(), &pose, &frame.properties).eq(frame.lights.iter().copied())
+            });
         &self.frame
     }
 
@@ -132,6 +145,7 @@ impl Animator {
         frame.objects.truncate(objects);
         frame.opacities.truncate(opacities);
         frame.deformed_normals.clear();
+        frame.morphed_attributes.clear();
     }
 
     fn emit_moving(&mut self, pose: &NodePose) {
@@ -145,20 +159,25 @@ impl Animator {
         let scene = Arc::clone(&self.frame.scene);
         let parts = scene.parts();
         let instance = &parts.instances[index as usize];
+        if self.frame.properties.hides(instance.node) {
+            return;
+        }
         let mesh = &parts.meshes[instance.mesh as usize];
-        let material = &parts.materials[mesh.material as usize];
+        let material = &self.frame.materials()[mesh.material as usize].clone();
         let world_from_object = pose.world_from_node[instance.node as usize] * instance.node_from_object;
         let frame = &mut self.frame;
 
         // Triangles in world, and where their other attributes come from.
         let deforms = instance.skin.is_some() || !mesh.morph_targets.is_empty();
+        let morphed = if deforms { morph_attributes(parts, pose, index) } else { None };
         let look = if deforms {
             let first_normal = (!mesh.normals.is_empty()).then_some(frame.deformed_normals.len() as u32);
             let positions = deform(parts, pose, index, world_from_object, &mut frame.deformed_normals);
             frame
                 .triangles
                 .extend(mesh.indices.iter().map(|corners| corners.map(|corner| positions[corner as usize])));
-            Look::Deformed { mesh: instance.mesh, first_normal }
+            let attributes = morphed.as_ref().map(|_| frame.morphed_attributes.len() as u32);
+            Look::Deformed { mesh: instance.mesh, first_normal, attributes }
         } else {
             let vector_from_object = Mat3::from(world_from_object.matrix3);
             let corner = |corner: u32| world_from_object.transform_point3(mesh.positions[corner as usize]);
@@ -187,13 +206,15 @@ impl Animator {
         // What is opaque all over needs no table; of all else the any-hit test reads an entry a triangle.
         if material.alpha_mode == AlphaMode::Opaque && material.opacity >= 1.0 {
             frame.opacity_slot.extend(std::iter::repeat_n(flags | OPAQUE, count));
+            frame.morphed_attributes.extend(morphed);
             return;
         }
+        let lists = VertexLists::new(mesh, morphed.as_ref());
         for (index, corners) in mesh.indices.iter().enumerate() {
             let vertices = corners.map(|corner| corner as usize);
             let alpha =
-                gather(&mesh.colours, vertices).map_or([1.0; 3], |colours| colours.map(|colour| colour.w));
-            let uvs = |used: &TextureRef| corner_uvs(mesh, vertices, used.uv_set);
+                gather(lists.colours, vertices).map_or([1.0; 3], |colours| colours.map(|colour| colour.w));
+            let uvs = |used: &TextureRef| lists.corner_uvs(vertices, used.uv_set);
             let corners_in_world = &frame.triangles[first_triangle + index];
             let density = |uvs: &[Vec2; 3], texture: u32| {
                 texel_density(corners_in_world, uvs, scene.samplers()[texture as usize].size())
@@ -201,12 +222,13 @@ impl Animator {
             frame.opacity_slot.push(flags | frame.opacities.len() as u32);
             frame.opacities.push(TriangleOpacity::new(material, alpha, uvs, density));
         }
+        frame.morphed_attributes.extend(morphed);
     }
 
     /// Appends the living particles of a system.
     fn emit_particles(&mut self, system: &ParticleSystem, first_id: u32, time_secs: f32, previous_secs: f32) {
         let scene = Arc::clone(&self.frame.scene);
-        let material = &scene.parts().materials[system.material as usize];
+        let material = &self.frame.materials()[system.material as usize].clone();
         let (camera, previous_camera) = (self.frame.camera, self.frame.previous_camera);
         let quads: Vec<_> = (0..system.particles.len())
             .into_par_iter()
@@ -254,19 +276,23 @@ impl Animator {
     }
 }
 
-fn lights_at<'a>(parts: &'a SceneParts, pose: &'a NodePose) -> impl Iterator<Item = FrameLight> + 'a {
+fn lights_at<'a>(
+    parts: &'a SceneParts,
+    pose: &'a NodePose,
+    properties: &'a Properties,
+) -> impl Iterator<Item = FrameLight> + 'a {
     let of_surroundings = parts.environment.light.iter().map(|light| FrameLight {
         position: Vec3::ZERO,
         direction: -light.direction,
         intensity: light.irradiance,
         kind: LightKind::Directional,
     });
-    let of_nodes = parts.lights.iter().map(|light| {
+    let of_nodes = parts.lights.iter().enumerate().map(|(index, light)| {
         let world_from_node = pose.world_from_node[light.node as usize];
         FrameLight {
             position: world_from_node.translation.into(),
             direction: world_from_node.transform_vector3(Vec3::NEG_Z).normalize_or(Vec3::NEG_Y),
-            intensity: light.intensity,
+            intensity: properties.intensity(index, light.node, light.intensity),
             kind: light.kind,
         }
     });

@@ -1,9 +1,9 @@
 //! Morphing and skinning on the CPU.
 
-use glam::{Affine3A, Mat3, Vec3};
+use glam::{Affine3A, Mat3, Vec3, Vec4};
 
-use super::pose::NodePose;
-use crate::model::SceneParts;
+use super::{pose::NodePose, storage::MorphedAttributes};
+use crate::model::{Instance, SceneParts};
 
 /// The matrix that takes normals along with an affine map; also right for mirrored and flattened ones.
 pub(super) fn normal_matrix(vector_from_object: Mat3) -> Mat3 {
@@ -11,6 +11,40 @@ pub(super) fn normal_matrix(vector_from_object: Mat3) -> Mat3 {
     // The cofactor matrix: inverse transpose times the determinant, without dividing by it.
     let cofactors = Mat3::from_cols(y_axis.cross(z_axis), z_axis.cross(x_axis), x_axis.cross(y_axis));
     if vector_from_object.determinant() < 0.0 { -cofactors } else { cofactors }
+}
+
+/// The morph weights of an instance at the moment.
+fn morph_weights<'a>(instance: &'a Instance, pose: &'a NodePose) -> &'a [f32] {
+    let animated = pose.morph_weights.iter().find(|(node, _)| *node == instance.node);
+    animated.map_or(&instance.morph_weights, |(_, weights)| weights)
+}
+
+/// Colours and texture coordinates of an instance, if its mesh morphs any.
+pub(super) fn morph_attributes(parts: &SceneParts, pose: &NodePose, index: u32) -> Option<MorphedAttributes> {
+    let instance = &parts.instances[index as usize];
+    let mesh = &parts.meshes[instance.mesh as usize];
+    let targets = &mesh.morph_targets;
+    let mut morphed = MorphedAttributes::default();
+    if targets.iter().any(|target| !target.colours.is_empty()) {
+        morphed.colours.clone_from(&mesh.colours);
+    }
+    if targets.iter().any(|target| target.uv_sets.iter().any(|set| !set.is_empty())) {
+        morphed.uv_sets.clone_from(&mesh.uv_sets);
+    }
+    if morphed == MorphedAttributes::default() {
+        return None;
+    }
+    let weights = morph_weights(instance, pose);
+    for (target, &weight) in targets.iter().zip(weights).filter(|(_, weight)| **weight != 0.0) {
+        let colours = morphed.colours.iter_mut().zip(&target.colours);
+        colours.for_each(|(colour, delta)| *colour += *delta * weight);
+        for (set, deltas) in morphed.uv_sets.iter_mut().zip(&target.uv_sets) {
+            set.iter_mut().zip(deltas).for_each(|(uv, delta)| *uv += *delta * weight);
+        }
+    }
+    let in_range = |colour: Vec4| colour.max(Vec4::ZERO).min(Vec3::MAX.extend(1.0));
+    morphed.colours.iter_mut().for_each(|colour| *colour = in_range(*colour));
+    Some(morphed)
 }
 
 /// World positions of a morphed and skinned instance; its unit normals are appended to `normals`.
@@ -23,8 +57,7 @@ pub(super) fn deform(
 ) -> Vec<Vec3> {
     let instance = &parts.instances[index as usize];
     let mesh = &parts.meshes[instance.mesh as usize];
-    let animated = pose.morph_weights.iter().find(|(node, _)| *node == instance.node);
-    let weights = animated.map_or(&instance.morph_weights, |(_, weights)| weights);
+    let weights = morph_weights(instance, pose);
 
     let mut positions = mesh.positions.clone();
     let mut own_normals = mesh.normals.clone();

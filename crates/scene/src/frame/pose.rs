@@ -3,8 +3,8 @@
 use glam::{Affine3A, Quat};
 
 use crate::{
-    camera::{Camera, CameraMotion, CameraPose},
-    model::{SceneParts, Track, Transform},
+    camera::{Camera, CameraMotion, CameraPose, Lens},
+    model::{LensNumber, Property, SceneParts, Track, Transform},
 };
 
 /// All nodes at one moment.
@@ -19,9 +19,7 @@ impl NodePose {
         let mut local: Vec<Transform> = parts.nodes.iter().map(|node| node.transform).collect();
         let mut morph_weights = Vec::new();
         for animation in &parts.animations {
-            let duration_secs =
-                animation.channels.iter().map(|channel| channel.track.end_secs()).fold(0.0, f32::max);
-            let time_secs = if duration_secs > 0.0 { time_secs.rem_euclid(duration_secs) } else { time_secs };
+            let time_secs = animation.looped(time_secs);
             for channel in &animation.channels {
                 match (&channel.track, &mut local[channel.node as usize]) {
                     (Track::Translation(keys), Transform::Trs { translation, .. }) => {
@@ -84,9 +82,39 @@ pub(crate) fn camera_pose(parts: &SceneParts, camera: &Camera, time_secs: f32) -
     };
     let world_from_node = NodePose::at(parts, time_secs).world_from_node[node as usize];
     let (_, rotation, translation) = world_from_node.to_scale_rotation_translation();
-    CameraPose {
+    let mut pose = CameraPose {
         world_from_camera: Affine3A::from_rotation_translation(unit(rotation), translation),
         lens: camera.lens,
         clip: camera.clip,
+    };
+    for animation in &parts.animations {
+        let time_secs = animation.looped(time_secs);
+        for property in &animation.properties {
+            if let Property::Lens { cameras, which, value } = property
+                && cameras.iter().any(|&index| parts.cameras[index as usize].name == camera.name)
+            {
+                set_lens(&mut pose, *which, value.value_at(time_secs));
+            }
+        }
+    }
+    pose.clip.far = pose.clip.far.max(pose.clip.near.next_up());
+    pose
+}
+
+/// Sets a number of a camera, as near as it may be.
+fn set_lens(pose: &mut CameraPose, which: LensNumber, value: f32) {
+    /// Nothing is seen through a lens that is narrower; nearly half of all through one that is that much
+    /// short of the widest.
+    const NARROWEST: f32 = 1e-4;
+    match (which, &mut pose.lens) {
+        (LensNumber::FieldOfView, Lens::Perspective { yfov_rad }) => {
+            *yfov_rad = value.clamp(NARROWEST, std::f32::consts::PI - NARROWEST);
+        }
+        (LensNumber::HalfHeight, Lens::Orthographic { half_height }) => {
+            *half_height = value.abs().clamp(f32::MIN_POSITIVE, f32::MAX);
+        }
+        (LensNumber::Near, _) => pose.clip.near = value.clamp(0.0, f32::MAX),
+        (LensNumber::Far, _) => pose.clip.far = value.max(0.0),
+        (LensNumber::FieldOfView | LensNumber::HalfHeight, _) => {}
     }
 }

@@ -1,7 +1,7 @@
 //! A frame's lists as they are stored, for whoever copies them elsewhere: to a GPU, say. What never moves
 //! stands first in each.
 
-use glam::{Mat3, Vec2, Vec3};
+use glam::{Mat3, Vec2, Vec3, Vec4};
 
 use crate::model::{AlphaMode, Material, TextureRef};
 
@@ -37,6 +37,9 @@ pub enum Look {
         /// Its vertices' normals lie in [`Frame::deformed_normals`](super::Frame::deformed_normals) from here
         /// on; none if `None`.
         first_normal: Option<u32>,
+        /// Index into [`Frame::morphed_attributes`](super::Frame::morphed_attributes) of a mesh that morphs
+        /// colours or texture coordinates.
+        attributes: Option<u32>,
     },
     /// A particle quad, which carries its attributes itself.
     Quad {
@@ -51,6 +54,15 @@ pub enum Look {
         /// Linear factor on the base colour.
         tint: Vec3,
     },
+}
+
+/// Vertex attributes of a morphed mesh that are not the mesh's own at the moment; empty lists are.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct MorphedAttributes {
+    /// As [`Mesh::colours`](crate::model::Mesh::colours).
+    pub colours: Vec<Vec4>,
+    /// As [`Mesh::uv_sets`](crate::model::Mesh::uv_sets): all of them, if any is morphed.
+    pub uv_sets: Vec<Vec<Vec2>>,
 }
 
 /// What the any-hit test reads, gathered a triangle: 56 bytes instead of a walk through object, mesh and

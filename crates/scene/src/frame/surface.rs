@@ -5,7 +5,7 @@ use glam::{Vec2, Vec3, Vec4, Vec4Swizzles};
 
 use super::{
     FaceSide, Frame, Object,
-    attribute::{QUAD_UVS, corner_uvs, gather, mix},
+    attribute::{QUAD_UVS, VertexLists, gather, mix},
     footprint::{Ellipse, texel_density},
     storage::{Look, TINTED},
 };
@@ -59,7 +59,7 @@ impl Frame {
         let corners = self.triangles[triangle as usize];
         let [position, previous_position] = self.positions(triangle, u, v);
         let object = self.object(triangle);
-        let material = &self.scene.parts().materials[object.material as usize];
+        let material = &self.materials()[object.material as usize];
         let side = self.side(triangle, counter_clockwise);
         let winding_normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize_or_zero();
         let geometric_normal = if counter_clockwise { winding_normal } else { -winding_normal };
@@ -99,7 +99,7 @@ impl Frame {
         if self.opacity_slot[triangle as usize] & TINTED == 0 {
             return Vec3::splat(1.0 - alpha);
         }
-        let transmission = self.scene.parts().materials[self.object(triangle).material as usize].transmission;
+        let transmission = self.materials()[self.object(triangle).material as usize].transmission;
         let base_colour = self.base_colour(triangle, u, v, width).clamp(Vec3::ZERO, Vec3::ONE);
         let coverage = alpha / (1.0 - transmission);
         if coverage <= 1.0 {
@@ -114,7 +114,7 @@ impl Frame {
         let weights = [1.0 - u - v, u, v];
         let corners = self.triangles[triangle as usize];
         let object = self.object(triangle);
-        let material = &self.scene.parts().materials[object.material as usize];
+        let material = &self.materials()[object.material as usize];
         let attributes = self.attributes(object, triangle, weights, corners, Vec3::Y);
         let bare = material.base_colour.truncate() * attributes.tint;
         let Some(used) = &material.base_colour_texture else { return bare };
@@ -156,31 +156,27 @@ impl Frame {
                     let tangent = mix(weights, tangents);
                     (*vector_from_object * tangent.xyz()).extend(tangent.w)
                 });
-                self.mesh_attributes(mesh, vertices, weights, corners, normal.unwrap_or(outward), tangent)
+                let lists = VertexLists::new(mesh, None);
+                mesh_attributes(lists, vertices, weights, corners, normal.unwrap_or(outward), tangent)
             }
-            Look::Deformed { mesh, first_normal } => {
+            look @ Look::Deformed { mesh, first_normal, .. } => {
                 let (mesh, vertices) = mesh_of(*mesh);
                 let normal = first_normal.map(|first| {
                     mix(weights, vertices.map(|vertex| self.deformed_normals[first as usize + vertex]))
                 });
-                self.mesh_attributes(mesh, vertices, weights, corners, normal.unwrap_or(outward), None)
+                let lists = self.vertex_lists(look, mesh);
+                mesh_attributes(lists, vertices, weights, corners, normal.unwrap_or(outward), None)
             }
         }
     }
 
-    fn mesh_attributes<'a>(
-        &'a self,
-        mesh: &'a Mesh,
-        vertices: [usize; 3],
-        weights: [f32; 3],
-        corners: [Vec3; 3],
-        normal: Vec3,
-        tangent: Option<Vec4>,
-    ) -> Attributes<'a> {
-        let tint =
-            gather(&mesh.colours, vertices).map_or(Vec3::ONE, |colours| mix(weights, colours).truncate());
-        let normal = normal.normalize_or(Vec3::Y);
-        Attributes { weights, corners, normal, tangent, tint, uvs: CornerUvs::Mesh { mesh, vertices } }
+    /// Colours and texture coordinates of the vertices of an object that shows a mesh.
+    pub(super) fn vertex_lists<'a>(&'a self, look: &Look, mesh: &'a Mesh) -> VertexLists<'a> {
+        let morphed = match look {
+            Look::Deformed { attributes: Some(index), .. } => Some(&self.morphed_attributes[*index as usize]),
+            _ => None,
+        };
+        VertexLists::new(mesh, morphed)
     }
 
     /// Multiplies textures into the surface and bends its normal.
@@ -221,6 +217,19 @@ impl Frame {
     }
 }
 
+fn mesh_attributes(
+    lists: VertexLists<'_>,
+    vertices: [usize; 3],
+    weights: [f32; 3],
+    corners: [Vec3; 3],
+    normal: Vec3,
+    tangent: Option<Vec4>,
+) -> Attributes<'_> {
+    let tint = gather(lists.colours, vertices).map_or(Vec3::ONE, |colours| mix(weights, colours).truncate());
+    let normal = normal.normalize_or(Vec3::Y);
+    Attributes { weights, corners, normal, tangent, tint, uvs: CornerUvs::Mesh { lists, vertices } }
+}
+
 /// Vertex attributes at a point of a triangle.
 struct Attributes<'a> {
     weights: [f32; 3],
@@ -236,14 +245,14 @@ struct Attributes<'a> {
 /// Texture coordinates of a triangle's corners.
 enum CornerUvs<'a> {
     Quad([Vec2; 3]),
-    Mesh { mesh: &'a Mesh, vertices: [usize; 3] },
+    Mesh { lists: VertexLists<'a>, vertices: [usize; 3] },
 }
 
 impl CornerUvs<'_> {
     fn of(&self, used: &TextureRef) -> [Vec2; 3] {
         let raw = match self {
             Self::Quad(uvs) => *uvs,
-            Self::Mesh { mesh, vertices } => corner_uvs(mesh, *vertices, used.uv_set),
+            Self::Mesh { lists, vertices } => lists.corner_uvs(*vertices, used.uv_set),
         };
         raw.map(|uv| used.transform.transform_point2(uv))
     }

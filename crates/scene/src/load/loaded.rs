@@ -39,7 +39,14 @@ pub enum LoadWarning {
         /// Animation index and name.
         place: String,
     },
-    /// A morph target of something else than positions and normals.
+    /// A channel of an animation that changes what cannot be animated here.
+    NotAnimated {
+        /// Animation and channel, by their path in the file, with the animation's name.
+        place: String,
+        /// The JSON pointer of what it changes.
+        pointer: String,
+    },
+    /// A morph target of what its mesh does not have, or of what no mesh morphs.
     MorphIgnored {
         /// Mesh and primitive, with index and name.
         place: String,
@@ -79,6 +86,9 @@ impl fmt::Display for LoadWarning {
             }
             Self::AnimationSkipped { place } => {
                 write!(f, "{place} is not played: it moves what an earlier animation moves")
+            }
+            Self::NotAnimated { place, pointer } => {
+                write!(f, "{place}: {pointer} cannot be animated here and stays as it is")
             }
             Self::MorphIgnored { place, attribute } => {
                 write!(f, "{place}: morph targets of {attribute} have no effect here")

@@ -6,9 +6,9 @@ use std::path::PathBuf;
 /// outside the file's own folder.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LoadOptions {
-    /// A part that is broken or missing is an error for the whole file. Otherwise what is sound is loaded, and
-    /// each part that is not is a [`LoadWarning::Lost`](crate::LoadWarning::Lost); where nothing is left to
-    /// draw, the first of them is the error.
+    /// A part that is broken or missing is an error for the whole file. Otherwise what is sound is loaded,
+    /// and each part that is not is a [`LoadWarning::Lost`](crate::LoadWarning::Lost); where nothing is left
+    /// to draw, the first of them is the error.
     pub strict: bool,
     /// Folders besides the file's own that the files it refers to may lie in, at any depth.
     pub allowed_folders: Vec<PathBuf>,

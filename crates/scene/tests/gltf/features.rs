@@ -5,10 +5,10 @@ use std::{fs, sync::Arc};
 use glam::{Affine3A, Quat, Vec2, Vec3, Vec4};
 use serde_json::json;
 use sheer_scene::{
-    Environment, Lens, LoadWarning, Loaded,
+    Animator, CameraChoice, ClipPlanes, Environment, Lens, LoadWarning, Loaded,
     model::{
-        AlphaMode, Filter, Interpolation, LevelFilter, LightKind, Material, Mesh, Minification, SceneParts,
-        ShadingModel, Track, Transform, Wrap,
+        AlphaMode, Factor, Filter, Interpolation, Keys, LevelFilter, LightKind, Material, Mesh, Minification,
+        Property, SceneParts, ShadingModel, Track, Transform, Wrap,
     },
     open,
 };
@@ -271,15 +271,128 @@ fn keys_at_one_time_stay_a_jump_and_a_matrix_is_taken_apart() {
     assert_eq!(warnings.len(), 2);
 }
 
+/// Adds a channel that moves what a JSON pointer names between two keys to the last animation.
+fn animate_pointer(builder: &mut Builder, pointer: &str, kind: &str, values: &[f32]) {
+    let times = builder.floats("SCALAR", &[0.0, 1.0]);
+    let output = builder.floats(kind, values);
+    if builder.json["animations"].is_null() {
+        builder.push("animations", json!({"channels": [], "samplers": []}));
+    }
+    let animation = &mut builder.json["animations"][0];
+    let samplers = animation["samplers"].as_array_mut().unwrap();
+    samplers.push(json!({"input": times, "output": output}));
+    let sampler = samplers.len() - 1;
+    let target = json!({"path": "pointer", "extensions": {"KHR_animation_pointer": {"pointer": pointer}}});
+    let channels = animation["channels"].as_array_mut().unwrap();
+    channels.push(json!({"sampler": sampler, "target": target}));
+}
+
 #[test]
-fn animation_pointers_are_left_out_with_a_warning() {
+fn animation_pointers_change_materials_lights_and_nodes() {
     let mut builder = Builder::triangle();
-    builder.json["extensionsUsed"] = json!(["KHR_animation_pointer"]);
-    let output = builder.floats("SCALAR", &[0.0; 2]);
-    animate(&mut builder, "", "pointer", "LINEAR", output);
+    builder.json["extensionsRequired"] = json!(["KHR_animation_pointer"]);
+    let texture = builder.texture([1, 2, 3, 4]);
+    builder.material(json!({
+        "emissiveFactor": [1, 0.5, 0],
+        "alphaMode": "MASK",
+        "pbrMetallicRoughness": {"baseColorTexture": {
+            "index": texture, "extensions": {"KHR_texture_transform": {"offset": [0.25, 0.5], "scale": [2, 3]}}}},
+    }));
+    builder.json["extensions"] =
+        json!({"KHR_lights_punctual": {"lights": [{"type": "point", "color": [1, 0, 0], "intensity": 3}]}});
+    let hung = json!({"light": 0});
+    builder.json["nodes"][0]["extensions"] =
+        json!({"KHR_lights_punctual": hung, "KHR_node_visibility": {"visible": false}});
+    builder.json["nodes"][0]["children"] = json!([1]);
+    builder.push("nodes", json!({"extensions": {"KHR_lights_punctual": hung}}));
+    let material = "/materials/0";
+    animate_pointer(&mut builder, "/nodes/0/translation", "VEC3", &[0.0; 6]);
+    animate_pointer(&mut builder, "/nodes/0/extensions/KHR_node_visibility/visible", "SCALAR", &[0.0, 1.0]);
+    animate_pointer(
+        &mut builder,
+        &format!("{material}/pbrMetallicRoughness/baseColorFactor"),
+        "VEC4",
+        &[1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 0.0],
+    );
+    animate_pointer(&mut builder, &format!("{material}/alphaCutoff"), "SCALAR", &[0.1, 0.9]);
+    let strength = format!("{material}/extensions/KHR_materials_emissive_strength/emissiveStrength");
+    animate_pointer(&mut builder, &strength, "SCALAR", &[1.0, 5.0]);
+    let laid = "pbrMetallicRoughness/baseColorTexture/extensions/KHR_texture_transform";
+    animate_pointer(&mut builder, &format!("{material}/{laid}/rotation"), "SCALAR", &[0.0, 1.0]);
+    let light = "/extensions/KHR_lights_punctual/lights/0";
+    animate_pointer(&mut builder, &format!("{light}/intensity"), "SCALAR", &[0.0, 6.0]);
+    animate_pointer(&mut builder, "/cameras/0/perspective/aspectRatio", "SCALAR", &[0.1, 0.2]);
+
     let Loaded { scene, warnings } = builder.load().unwrap();
-    assert!(scene.parts().animations.is_empty());
-    assert_eq!(warnings, [LoadWarning::ExtensionIgnored { extension: "KHR_animation_pointer".to_owned() }]);
+    let pointer = "/cameras/0/perspective/aspectRatio".to_owned();
+    assert_eq!(
+        warnings,
+        [LoadWarning::NotAnimated { place: "animations[0].channels[7]".to_owned(), pointer }]
+    );
+    let parts = scene.parts();
+    assert_eq!(parts.instances.len(), 1, "what an animation shows is part of the scene");
+    let animation = &parts.animations[0];
+    assert_eq!((animation.channels.len(), animation.properties.len()), (1, 6));
+    assert_eq!(animation.duration_secs(), 1.0);
+    let at_end = |keys: &Keys<f32>| keys.value_at(1.0);
+    assert!(
+        matches!(&animation.properties[0], Property::Visibility { node: 0, visible } if at_end(visible) == 1.0)
+    );
+    assert!(matches!(&animation.properties[1],
+        Property::BaseColour { material: 0, factor } if factor.value_at(0.5).w == 0.5));
+    assert!(matches!(&animation.properties[2],
+        Property::Factor { which: Factor::AlphaCutoff, value, .. } if at_end(value) == 0.9));
+    // What is not animated stays as the file has it.
+    assert!(matches!(&animation.properties[3], Property::Emissive { factor, strength, .. }
+        if factor.value_at(1.0) == Vec3::new(1.0, 0.5, 0.0) && at_end(strength) == 5.0));
+    assert!(
+        matches!(&animation.properties[4], Property::TextureTransform { offset, rotation_rad, scale, .. }
+        if offset.value_at(1.0) == Vec2::new(0.25, 0.5)
+            && scale.value_at(1.0) == Vec2::new(2.0, 3.0)
+            && at_end(rotation_rad) == 1.0)
+    );
+    // The light hangs on two nodes.
+    assert!(matches!(&animation.properties[5], Property::LightIntensity { lights, colour, intensity }
+        if *lights == [0, 1] && colour.value_at(0.0) == Vec3::X && at_end(intensity) == 6.0));
+}
+
+#[test]
+fn the_lens_of_a_camera_is_animated_wherever_it_hangs() {
+    let mut builder = Builder::triangle();
+    builder.json["cameras"] = json!([{"perspective": {"yfov": 0.5, "znear": 0.25, "zfar": 8}}]);
+    builder.json["nodes"][0]["children"] = json!([1, 2]);
+    for _ in 0..2 {
+        builder.push("nodes", json!({"camera": 0}));
+    }
+    animate_pointer(&mut builder, "/cameras/0/perspective/yfov", "SCALAR", &[0.5, 1.5]);
+    animate_pointer(&mut builder, "/cameras/0/perspective/zfar", "SCALAR", &[8.0, 0.0]);
+    let scene = Arc::new(builder.load().unwrap().scene);
+    for name in ["camera0", "camera0 2"] {
+        let camera = scene.camera(&CameraChoice::Named(name.to_owned())).unwrap();
+        let mut animator = Animator::new(Arc::clone(&scene), camera);
+        let frame = animator.advance(0.5, 0.25);
+        assert_eq!(frame.camera().lens, Lens::Perspective { yfov_rad: 1.0 });
+        assert_eq!(frame.camera().clip, ClipPlanes { near: 0.25, far: 4.0 });
+        assert_eq!(frame.previous_camera().lens, Lens::Perspective { yfov_rad: 0.75 });
+        // A far plane may not meet the near one.
+        assert!(animator.advance(0.99, 0.99).camera().clip.far > 0.25);
+    }
+    // What stands still does so altogether.
+    let camera = scene.camera(&CameraChoice::Named("static".to_owned())).unwrap();
+    let still = Animator::new(scene, camera).advance(0.5, 0.5).camera().lens;
+    assert_eq!(still, Lens::Perspective { yfov_rad: 0.5 });
+}
+
+#[test]
+fn a_hidden_node_stays_hidden_if_the_animation_that_shows_it_is_lost() {
+    let mut builder = Builder::triangle();
+    builder.json["nodes"][0]["extensions"] = json!({"KHR_node_visibility": {"visible": false}});
+    animate_pointer(&mut builder, "/nodes/0/extensions/KHR_node_visibility/visible", "SCALAR", &[1.0, 1.0]);
+    builder.json["animations"][0]["samplers"][0]["output"] = json!(99);
+    let parts = parts(&builder);
+    let [animation] = &parts.animations[..] else { panic!("{:?}", parts.animations) };
+    assert!(matches!(&animation.properties[..],
+        [Property::Visibility { node: 0, visible }] if visible.value_at(0.5) == 0.0));
 }
 
 #[test]
@@ -475,13 +588,29 @@ fn a_transmission_texture_goes_into_the_base_colour() {
 }
 
 #[test]
-fn morph_targets_of_colours_are_named() {
+fn colours_and_texture_coordinates_are_morphed() {
     let mut builder = Builder::triangle();
-    let fading = builder.floats("VEC4", &[0.0; 12]);
-    builder.primitive()["targets"] = json!([{"COLOR_0": fading}, {"COLOR_0": fading, "TEXCOORD_0": fading}]);
-    let warnings: Vec<String> = builder.load().unwrap().warnings.iter().map(ToString::to_string).collect();
+    let colours = builder.floats("VEC4", &[1.0; 12]);
+    builder.attribute("COLOR_0", colours);
+    let uvs = builder.floats("VEC2", &[0.0; 6]);
+    builder.attribute("TEXCOORD_0", uvs);
+    builder.attribute("TEXCOORD_1", uvs);
+    let fading = builder.floats("VEC4", &[0.0, 0.0, 0.0, -0.5].repeat(3));
+    let darker = builder.floats("VEC3", &[-0.25; 9]);
+    let sliding = builder.floats("VEC2", &[0.5; 6]);
+    builder.primitive()["targets"] = json!([
+        {"COLOR_0": fading, "_OWN": fading}, {"COLOR_0": darker, "TEXCOORD_1": sliding, "TANGENT": darker},
+        {"COLOR_1": fading, "TEXCOORD_2": sliding},
+    ]);
+    let loaded = builder.load().unwrap();
+    let targets = &loaded.scene.parts().meshes[0].morph_targets;
+    assert_eq!(targets[0].colours, [Vec4::new(0.0, 0.0, 0.0, -0.5); 3]);
+    assert_eq!(targets[1].colours, [Vec4::new(-0.25, -0.25, -0.25, 0.0); 3]);
+    assert_eq!(targets[1].uv_sets, [vec![], vec![Vec2::splat(0.5); 3]]);
+    let warnings: Vec<String> = loaded.warnings.iter().map(ToString::to_string).collect();
     assert_eq!(warnings.len(), 2, "{warnings:?}");
-    assert!(warnings[0].contains("COLOR_0") && warnings[1].contains("TEXCOORD_0"), "{warnings:?}");
+    assert!(warnings[0].contains("COLOR_1") && warnings[1].contains("TEXCOORD_2"), "{warnings:?}");
+    assert!(warnings[0].contains("meshes[0].primitives[0] ('Body')"), "{warnings:?}");
 }
 
 #[test]

@@ -313,7 +313,7 @@ pub(super) fn enter(builder: &mut SceneBuilder, name: &str, body: Body, part: &P
         let top = Vec3::new(0.0, body.build.shoulder_height + 0.03, -0.15);
         channels.extend(wear_cape(builder, name, cape, (nodes[CHEST], top), &speeds, part.phase));
     }
-    builder.animate(Animation { name: name.to_owned(), channels });
+    builder.animate(Animation { name: name.to_owned(), channels, properties: Vec::new() });
     let world = |(joints, _): &([(Vec3, Quat); JOINT_COUNT], f32)| {
         let mut world = [Affine3A::IDENTITY; JOINT_COUNT];
         for (joint, &(translation, rotation)) in joints.iter().enumerate() {

@@ -726,7 +726,11 @@ impl Conjurer<'_> {
         system("water", water, FLAME_ATLAS, self.drops, CLIP_SECS, still, [0.05, 0.10], near);
         system("dust", smoke, smoke::ATLAS, self.dust, CLIP_SECS, rolling, [0.12, 0.55], [1.6, 0.4]);
         system("clouds", smoke, smoke::ATLAS, clouds, CLIP_SECS, still, [0.3, 0.3], near);
-        self.builder.animate(Animation { name: "effects".to_owned(), channels: self.channels });
+        self.builder.animate(Animation {
+            name: "effects".to_owned(),
+            channels: self.channels,
+            properties: Vec::new(),
+        });
     }
 
     /// Cards of cloud beyond the arena that catch the last light.

@@ -1,118 +1,338 @@
 //! Animations: the first one, and every further one that moves nothing moved already.
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 
-use glam::{Quat, Vec3};
+use glam::{Quat, Vec2, Vec3, Vec4};
 
 use super::{
     document::Document,
     node::{Hierarchy, unit_rotation},
+    pointer::{self, Pointed},
     schema::{self, Index},
 };
 use crate::{
     SceneError,
     load::LoadWarning,
-    model::{Animation, Channel, Interpolation, Keys, Node, Track, Transform},
+    model::{
+        Animation, Channel, Interpolation, Keys, Node, Property, SceneParts, TextureSlot, Track, Transform,
+    },
 };
+
+/// Where what an animation changes is in the scene.
+pub(super) struct Targets<'t> {
+    pub hierarchy: &'t Hierarchy,
+    /// Scene index of each material of the file that is drawn.
+    pub materials: &'t [Option<u32>],
+    /// Index in the file of each light of the scene.
+    pub lights: &'t [Index],
+    /// Index in the file of each camera of the scene.
+    pub cameras: &'t [Index],
+}
 
 /// The animations that play together. Nodes with a matrix that are animated get their transform taken apart.
 pub(super) fn read(
     document: &Document<'_>,
-    hierarchy: &Hierarchy,
-    nodes: &mut [Node],
+    targets: &Targets<'_>,
+    parts: &mut SceneParts,
 ) -> Result<Vec<Animation>, SceneError> {
-    let mut taken: HashSet<(Index, &str)> = HashSet::new();
+    let mut taken: HashSet<String> = HashSet::new();
     let mut animations = Vec::new();
     for (index, animation) in document.root.animations.iter().enumerate() {
         let place = format!("animations[{index}]");
-        let targets = || {
-            animation
-                .channels
-                .iter()
-                .filter_map(|channel| Some((channel.target.node?, channel.target.path.as_str())))
-        };
-        if targets().any(|target| taken.contains(&target)) {
+        let mut pointers =
+            animation.channels.iter().filter_map(|channel| pointer::of_target(&channel.target));
+        if pointers.any(|pointer| taken.contains(&pointer)) {
             document.warn(LoadWarning::AnimationSkipped { place: document.titled(&place) });
             continue;
         }
-        let mut channels = Vec::with_capacity(animation.channels.len());
+        let mut read = Animation { name: animation.name.clone().unwrap_or_default(), ..Animation::default() };
+        let mut composed = HashMap::new();
         for (number, channel) in animation.channels.iter().enumerate() {
             let place = format!("{place}.channels[{number}]");
-            let Some(node) = channel.target.node else { continue };
-            let sorted = hierarchy.sorted(document, node, &place);
-            let Some(sorted) = document.salvage(sorted, "left out")? else { continue };
-            if !taken.insert((node, &channel.target.path)) {
+            let Some(pointer) = pointer::of_target(&channel.target) else { continue };
+            if !taken.insert(pointer.clone()) {
                 document.repaired(&place, "another channel moves the same property: left out");
                 continue;
             }
-            let track = read_track(document, animation, channel, node, &place);
-            let Some(track) = document.salvage(track, "left out")?.flatten() else { continue };
-            if !matches!(track, Track::MorphWeights(_)) {
-                take_apart(document, &mut nodes[sorted as usize], &place);
-            }
-            channels.push(Channel { node: sorted, track });
+            let reader = ChannelReader { document, targets, animation, channel, place: &place };
+            document.salvage(reader.read(&pointer, &mut read, &mut composed, parts), "left out")?;
         }
-        if !channels.is_empty() {
-            animations.push(Animation { name: animation.name.clone().unwrap_or_default(), channels });
+        if !read.channels.is_empty() || !read.properties.is_empty() {
+            animations.push(read);
         }
+    }
+    // What an animation would have shown that is not played stays hidden.
+    let is_animated = |node: u32| {
+        let mut properties = animations.iter().flat_map(|animation| &animation.properties);
+        properties
+            .any(|property| matches!(property, Property::Visibility { node: other, .. } if *other == node))
+    };
+    let hidden: Vec<Property> = (targets.hierarchy.hidden_at_rest.iter())
+        .filter(|&&node| !is_animated(node))
+        .map(|&node| Property::Visibility { node, visible: Keys::constant(0.0) })
+        .collect();
+    if !hidden.is_empty() {
+        animations.push(Animation { properties: hidden, ..Animation::default() });
     }
     Ok(animations)
 }
 
-fn read_track(
-    document: &Document<'_>,
-    animation: &schema::Animation,
-    channel: &schema::AnimationChannel,
-    node: Index,
-    place: &str,
-) -> Result<Option<Track>, SceneError> {
-    let sampler = document.get(&animation.samplers, channel.sampler, "animation sampler", place)?;
-    let interpolation = match sampler.interpolation.as_deref() {
-        None | Some("LINEAR") => Interpolation::Linear,
-        Some("STEP") => Interpolation::Step,
-        Some("CUBICSPLINE") => Interpolation::CubicSpline,
-        Some(other) => {
-            let problem =
-                format!("interpolation '{other}' is not LINEAR, STEP or CUBICSPLINE; export the file again");
-            return Err(document.fault(place, problem));
+/// A property that several channels make up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+enum Composed {
+    /// Of a material of the scene.
+    Emissive(u32),
+    /// Of a material of the scene.
+    TextureTransform(u32, TextureSlot),
+    /// Of a light of the file.
+    Light(Index),
+}
+
+/// Where in an animation the properties are that several channels make up.
+type ComposedAt = HashMap<Composed, usize>;
+
+/// The scene's indices of what has an index in the file.
+fn hung(file_indices: &[Index], wanted: Index) -> Vec<u32> {
+    (0..).zip(file_indices).filter(|(_, index)| **index == wanted).map(|(at, _)| at).collect()
+}
+
+/// One channel and what it belongs to.
+struct ChannelReader<'c, 'd, 'a> {
+    document: &'d Document<'a>,
+    targets: &'c Targets<'c>,
+    animation: &'d schema::Animation,
+    channel: &'d schema::AnimationChannel,
+    place: &'c str,
+}
+
+impl ChannelReader<'_, '_, '_> {
+    /// Adds what the channel changes.
+    fn read(
+        &self,
+        pointer: &str,
+        read: &mut Animation,
+        composed: &mut ComposedAt,
+        parts: &mut SceneParts,
+    ) -> Result<(), SceneError> {
+        let Some(pointed) = pointer::parse(pointer) else {
+            self.cannot_be_animated(pointer);
+            return Ok(());
+        };
+        match pointed {
+            Pointed::Node { node, path } => {
+                let sorted = self.targets.hierarchy.sorted(self.document, node, self.place)?;
+                let Some(track) = self.track(node, path)? else { return Ok(()) };
+                if !matches!(track, Track::MorphWeights(_)) {
+                    take_apart(self.document, &mut parts.nodes[sorted as usize], self.place);
+                }
+                read.channels.push(Channel { node: sorted, track });
+            }
+            Pointed::Visibility { node } => {
+                let node = self.targets.hierarchy.sorted(self.document, node, self.place)?;
+                read.properties.push(Property::Visibility { node, visible: self.keys(|[value]| value)? });
+            }
+            Pointed::Lens { camera, which } => {
+                self.document.get(&self.document.root.cameras, camera, "camera", self.place)?;
+                let cameras = hung(self.targets.cameras, camera);
+                let value = self.keys(|[value]| value)?;
+                read.properties.push(Property::Lens { cameras, which, value });
+            }
+            Pointed::LightColour { light } | Pointed::LightIntensity { light } => {
+                self.light(pointed, light, &mut read.properties, composed)?;
+            }
+            Pointed::BaseColour { material }
+            | Pointed::EmissiveFactor { material }
+            | Pointed::EmissiveStrength { material }
+            | Pointed::Factor { material, .. }
+            | Pointed::TextureTransform { material, .. } => {
+                let all = &self.document.root.materials;
+                let described = self.document.get(all, material, "material", self.place)?;
+                // One that nothing is drawn in has no effect anyway.
+                if let Some(index) = self.targets.materials[material] {
+                    self.material(pointer, pointed, described, index, &mut read.properties, composed, parts)?;
+                }
+            }
         }
+        Ok(())
+    }
+
+    fn cannot_be_animated(&self, pointer: &str) {
+        let (place, pointer) = (self.document.titled(self.place), pointer.to_owned());
+        self.document.warn(LoadWarning::NotAnimated { place, pointer });
+    }
+
+    /// A light of the file, which hangs on any number of nodes.
+    fn light(
+        &self,
+        pointed: Pointed<'_>,
+        light: Index,
+        properties: &mut Vec<Property>,
+        composed: &mut ComposedAt,
+    ) -> Result<(), SceneError> {
+        let all = &self.document.root.extensions.lights_punctual.lights;
+        let described = self.document.get(all, light, "light", self.place)?;
+        let at = *composed.entry(Composed::Light(light)).or_insert_with(|| {
+            properties.push(Property::LightIntensity {
+                lights: hung(self.targets.lights, light),
+                colour: Keys::constant(described.color.into()),
+                intensity: Keys::constant(described.intensity),
+            });
+            properties.len() - 1
+        });
+        if let Property::LightIntensity { colour, intensity, .. } = &mut properties[at] {
+            match pointed {
+                Pointed::LightColour { .. } => *colour = self.keys(<Vec3 as From<[f32; 3]>>::from)?,
+                _ => *intensity = self.keys(|[value]| value)?,
+            }
+        }
+        Ok(())
+    }
+
+    /// A value of a material, by its description and its index in the scene.
+    #[expect(clippy::too_many_arguments, reason = "the parts of one scene and of one file, each used once")]
+    fn material(
+        &self,
+        pointer: &str,
+        pointed: Pointed<'_>,
+        described: &schema::Material,
+        material: u32,
+        properties: &mut Vec<Property>,
+        composed: &mut ComposedAt,
+        parts: &SceneParts,
+    ) -> Result<(), SceneError> {
+        match pointed {
+            Pointed::BaseColour { .. } if described.extensions.specular_glossiness.is_some() => {
+                self.cannot_be_animated(pointer);
+            }
+            Pointed::BaseColour { .. } => {
+                let mut factor = self.keys(Vec4::from_array)?;
+                // The alpha of what transmits light is made of its transmission.
+                if described.extensions.transmission.is_some() {
+                    let alpha = parts.materials[material as usize].base_colour.w;
+                    factor.values.iter_mut().for_each(|colour| colour.w = 0.0);
+                    factor.key_values_mut().for_each(|colour| colour.w = alpha);
+                }
+                properties.push(Property::BaseColour { material, factor });
+            }
+            Pointed::Factor { which, .. } => {
+                properties.push(Property::Factor { material, which, value: self.keys(|[value]| value)? });
+            }
+            Pointed::EmissiveFactor { .. } | Pointed::EmissiveStrength { .. } => {
+                let at = *composed.entry(Composed::Emissive(material)).or_insert_with(|| {
+                    let given = described.extensions.emissive_strength.as_ref();
+                    properties.push(Property::Emissive {
+                        material,
+                        factor: Keys::constant(described.emissive_factor.into()),
+                        strength: Keys::constant(given.map_or(1.0, |emissive| emissive.emissive_strength)),
+                    });
+                    properties.len() - 1
+                });
+                if let Property::Emissive { factor, strength, .. } = &mut properties[at] {
+                    match pointed {
+                        Pointed::EmissiveFactor { .. } => {
+                            *factor = self.keys(<Vec3 as From<[f32; 3]>>::from)?;
+                        }
+                        _ => *strength = self.keys(|[value]| value)?,
+                    }
+                }
+            }
+            Pointed::TextureTransform { slot, part, .. } => {
+                let at = *composed.entry(Composed::TextureTransform(material, slot)).or_insert_with(|| {
+                    let rest = texture_transform(described, slot);
+                    properties.push(Property::TextureTransform {
+                        material,
+                        slot,
+                        offset: Keys::constant(rest.offset.into()),
+                        rotation_rad: Keys::constant(rest.rotation),
+                        scale: Keys::constant(rest.scale.into()),
+                    });
+                    properties.len() - 1
+                });
+                if let Property::TextureTransform { offset, rotation_rad, scale, .. } = &mut properties[at] {
+                    match part {
+                        "offset" => *offset = self.keys(<Vec2 as From<[f32; 2]>>::from)?,
+                        "rotation" => *rotation_rad = self.keys(|[value]| value)?,
+                        _ => *scale = self.keys(<Vec2 as From<[f32; 2]>>::from)?,
+                    }
+                }
+            }
+            Pointed::Node { .. }
+            | Pointed::Visibility { .. }
+            | Pointed::Lens { .. }
+            | Pointed::LightColour { .. }
+            | Pointed::LightIntensity { .. } => {}
+        }
+        Ok(())
+    }
+
+    /// Key times, how to go from one to the next, and where the values are.
+    fn sampled(&self) -> Result<(Vec<f32>, Interpolation, Output<'_, '_>), SceneError> {
+        let Self { document, place, .. } = *self;
+        let samplers = &self.animation.samplers;
+        let sampler = document.get(samplers, self.channel.sampler, "animation sampler", place)?;
+        let interpolation = match sampler.interpolation.as_deref() {
+            None | Some("LINEAR") => Interpolation::Linear,
+            Some("STEP") => Interpolation::Step,
+            Some("CUBICSPLINE") => Interpolation::CubicSpline,
+            Some(other) => {
+                let problem = format!(
+                    "interpolation '{other}' is not LINEAR, STEP or CUBICSPLINE; export the file again"
+                );
+                return Err(document.fault(place, problem));
+            }
+        };
+        let times_secs = key_times(document, sampler.input, place)?;
+        let value_count = times_secs.len() * interpolation.values_per_key();
+        let output = Output { document, accessor: sampler.output, value_count, place };
+        Ok((times_secs, interpolation, output))
+    }
+
+    fn keys<const N: usize, T>(&self, convert: impl Fn([f32; N]) -> T) -> Result<Keys<T>, SceneError> {
+        let (times_secs, interpolation, output) = self.sampled()?;
+        Ok(Keys { times_secs, values: output.values(convert)?, interpolation })
+    }
+
+    fn track(&self, node: Index, path: &str) -> Result<Option<Track>, SceneError> {
+        let Self { document, place, .. } = *self;
+        Ok(Some(match path {
+            "translation" => Track::Translation(self.keys(<Vec3 as From<[f32; 3]>>::from)?),
+            "scale" => Track::Scale(self.keys(<Vec3 as From<[f32; 3]>>::from)?),
+            "rotation" => {
+                let mut keys = self.keys(Quat::from_array)?;
+                // Tangents, which stand before and after each spline key, have any length.
+                let rotations = keys.key_values_mut();
+                rotations.for_each(|value| *value = unit_rotation(document, value.to_array(), place));
+                Track::Rotation(keys)
+            }
+            _ => {
+                let Some(target_count) = morph_target_count(document, node) else {
+                    document.repaired(
+                        place,
+                        "it moves the morph weights of a node without morph targets: left out",
+                    );
+                    return Ok(None);
+                };
+                let (times_secs, interpolation, output) = self.sampled()?;
+                let values = output.weights(target_count)?;
+                Track::MorphWeights(Keys { times_secs, values, interpolation })
+            }
+        }))
+    }
+}
+
+/// How the file lays out a texture of a material.
+fn texture_transform(described: &schema::Material, slot: TextureSlot) -> schema::TextureTransform {
+    let metallic = described.pbr_metallic_roughness.as_ref();
+    let info = match slot {
+        TextureSlot::BaseColour => metallic.and_then(|metallic| metallic.base_color_texture.as_ref()),
+        TextureSlot::MetallicRoughness => {
+            metallic.and_then(|metallic| metallic.metallic_roughness_texture.as_ref())
+        }
+        TextureSlot::Normal => described.normal_texture.as_ref(),
+        TextureSlot::Occlusion => described.occlusion_texture.as_ref(),
+        TextureSlot::Emissive => described.emissive_texture.as_ref(),
     };
-    let values_per_key = if interpolation == Interpolation::CubicSpline { 3 } else { 1 };
-    let times_secs = key_times(document, sampler.input, place)?;
-    let value_count = times_secs.len() * values_per_key;
-    let output = Output { document, accessor: sampler.output, value_count, place };
-    Ok(Some(match channel.target.path.as_str() {
-        "translation" => {
-            let values = output.values(<Vec3 as From<[f32; 3]>>::from)?;
-            Track::Translation(Keys { times_secs, values, interpolation })
-        }
-        "scale" => {
-            let values = output.values(<Vec3 as From<[f32; 3]>>::from)?;
-            Track::Scale(Keys { times_secs, values, interpolation })
-        }
-        "rotation" => {
-            let mut values = output.values(Quat::from_array)?;
-            // Tangents, which stand before and after each spline key, have any length.
-            let keys = values.iter_mut().skip(values_per_key / 2).step_by(values_per_key);
-            keys.for_each(|value| *value = unit_rotation(document, value.to_array(), place));
-            Track::Rotation(Keys { times_secs, values, interpolation })
-        }
-        "weights" => {
-            let Some(target_count) = morph_target_count(document, node) else {
-                document
-                    .repaired(place, "it moves the morph weights of a node without morph targets: left out");
-                return Ok(None);
-            };
-            let values = output.weights(target_count)?;
-            Track::MorphWeights(Keys { times_secs, values, interpolation })
-        }
-        // `KHR_animation_pointer`, which is warned about as an extension.
-        "pointer" => return Ok(None),
-        other => {
-            document.repaired(place, &format!("it moves the unknown property '{other}': left out"));
-            return Ok(None);
-        }
-    }))
+    info.and_then(|info| info.extensions.transform.clone()).unwrap_or_default()
 }
 
 /// Key times made strictly increasing: keys at one time, a common way to write a jump, are moved apart by the

@@ -2,7 +2,7 @@
 
 use std::{collections::BTreeMap, sync::Arc};
 
-use glam::{Affine2, Vec2, Vec3, Vec4};
+use glam::{Vec2, Vec3, Vec4};
 
 use super::{
     bake,
@@ -74,6 +74,11 @@ impl<'d, 'a> Materials<'d, 'a> {
             texture_of: BTreeMap::new(),
             bakes: Vec::new(),
         }
+    }
+
+    /// Scene index of each material of the file that is drawn.
+    pub(super) fn index_of(&self) -> &[Option<u32>] {
+        &self.index_of
     }
 
     /// Scene index of a material of the file, or of the default one.
@@ -291,11 +296,10 @@ impl Materials<'_, '_> {
         // How this material lays it out.
         let mut used = TextureRef { uv_set: info.tex_coord, ..TextureRef::new(texture) };
         if let Some(transform) = &info.extensions.transform {
-            // The extension turns counter-clockwise in an image whose v points down.
-            used.transform = Affine2::from_scale_angle_translation(
-                Vec2::from(transform.scale),
-                -transform.rotation,
+            used.transform = TextureRef::transform_of(
                 Vec2::from(transform.offset),
+                transform.rotation,
+                Vec2::from(transform.scale),
             );
             used.uv_set = transform.tex_coord.unwrap_or(used.uv_set);
             if !used.transform.is_finite() {

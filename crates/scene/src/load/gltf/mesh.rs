@@ -1,5 +1,7 @@
 //! Meshes: vertex attributes of one glTF primitive become one [`Mesh`].
 
+use std::collections::BTreeMap;
+
 use glam::{Vec2, Vec3, Vec4};
 
 #[cfg(feature = "draco")]
@@ -325,37 +327,12 @@ impl<'d, 'a> Reader<'d, 'a> {
     }
 
     fn read_morph_targets(&self, mesh: &mut Mesh) -> Result<(), SceneError> {
-        let vertex_count = mesh.positions.len();
+        let mut targets = Vec::with_capacity(self.primitive.targets.len());
         for (number, target) in self.primitive.targets.iter().enumerate() {
-            let displacements = |name: &str, used: bool| -> Result<Vec<Vec3>, SceneError> {
-                let Some(&accessor) = target.get(name).filter(|_| used) else { return Ok(Vec::new()) };
-                let place = format!("{}.targets[{number}].{name}", self.place);
-                let deltas = self.document.floats::<3>(accessor, &place).and_then(|deltas| {
-                    self.check_count(deltas.len(), vertex_count, &place)?;
-                    Ok(deltas)
-                });
-                let deltas = self.document.salvage(deltas, "it does not move")?.unwrap_or_default();
-                let mut deltas: Vec<Vec3> = deltas.into_iter().map(Vec3::from).collect();
-                if let Some(vertex) = deltas.iter().position(|delta| !delta.is_finite()) {
-                    let fault = self.document.fault(place, not_finite_text(accessor, vertex));
-                    self.document.lose(fault, "such vertices do not move")?;
-                    deltas
-                        .iter_mut()
-                        .filter(|delta| !delta.is_finite())
-                        .for_each(|delta| *delta = Vec3::ZERO);
-                }
-                Ok(deltas)
-            };
-            let morphs = MorphTarget {
-                positions: displacements("POSITION", true)?,
-                normals: displacements("NORMAL", !mesh.normals.is_empty())?,
-            };
-            mesh.morph_targets.push(morphs);
-            for attribute in target.keys().filter(|name| !["POSITION", "NORMAL"].contains(&name.as_str())) {
-                let (place, attribute) = (self.document.titled(&self.place), attribute.clone());
-                self.document.warn(LoadWarning::MorphIgnored { place, attribute });
-            }
+            let reader = TargetReader { reader: self, target, number, vertex_count: mesh.positions.len() };
+            targets.push(reader.read(mesh)?);
         }
+        mesh.morph_targets = targets;
         Ok(())
     }
 
@@ -419,6 +396,81 @@ impl<'d, 'a> Reader<'d, 'a> {
     fn not_finite(&self, name: &str, vertex: usize) -> SceneError {
         let accessor = self.primitive.attributes.get(name).copied().unwrap_or_default();
         self.document.fault(format!("{}.attributes.{name}", self.place), not_finite_text(accessor, vertex))
+    }
+}
+
+/// One morph target of a primitive.
+struct TargetReader<'r, 'd, 'a> {
+    reader: &'r Reader<'d, 'a>,
+    target: &'d BTreeMap<String, Index>,
+    number: usize,
+    vertex_count: usize,
+}
+
+impl TargetReader<'_, '_, '_> {
+    fn read(&self, mesh: &Mesh) -> Result<MorphTarget, SceneError> {
+        let mut morphs = MorphTarget::default();
+        for (name, &accessor) in self.target {
+            let uv_set: Option<usize> = name.strip_prefix("TEXCOORD_").and_then(|set| set.parse().ok());
+            match (name.as_str(), uv_set) {
+                ("POSITION", _) => morphs.positions = self.deltas(name, accessor, Vec3::from_array)?,
+                ("NORMAL", _) if !mesh.normals.is_empty() => {
+                    morphs.normals = self.deltas(name, accessor, Vec3::from_array)?;
+                }
+                // Without normals there is nothing to displace; tangents follow positions and coordinates.
+                ("NORMAL" | "TANGENT", _) => {}
+                ("COLOR_0", _) if !mesh.colours.is_empty() => {
+                    let components = self
+                        .reader
+                        .document
+                        .root
+                        .accessors
+                        .get(accessor)
+                        .map_or(0, Accessor::component_count);
+                    morphs.colours = if components == 3 {
+                        self.deltas(name, accessor, |[r, g, b]| Vec4::new(r, g, b, 0.0))?
+                    } else {
+                        self.deltas(name, accessor, Vec4::from_array)?
+                    };
+                }
+                (_, Some(set)) if set < mesh.uv_sets.len() => {
+                    morphs.uv_sets.resize(morphs.uv_sets.len().max(set + 1), Vec::new());
+                    morphs.uv_sets[set] = self.deltas(name, accessor, Vec2::from_array)?;
+                }
+                // An application's own.
+                (name, _) if name.starts_with('_') => {}
+                (name, _) => {
+                    let document = self.reader.document;
+                    let (place, attribute) = (document.titled(&self.reader.place), name.to_owned());
+                    document.warn(LoadWarning::MorphIgnored { place, attribute });
+                }
+            }
+        }
+        Ok(morphs)
+    }
+
+    /// Displacements of an attribute; none where they are broken, 0 where they are not finite.
+    fn deltas<const N: usize, T>(
+        &self,
+        name: &str,
+        accessor: Index,
+        convert: impl Fn([f32; N]) -> T,
+    ) -> Result<Vec<T>, SceneError> {
+        let Self { reader, number, vertex_count, .. } = *self;
+        let document = reader.document;
+        let place = format!("{}.targets[{number}].{name}", reader.place);
+        let read = document.floats::<N>(accessor, &place).and_then(|deltas| {
+            reader.check_count(deltas.len(), vertex_count, &place)?;
+            Ok(deltas)
+        });
+        let mut deltas = document.salvage(read, "it does not move")?.unwrap_or_default();
+        let is_wild = |delta: &[f32; N]| delta.iter().any(|value| !value.is_finite());
+        if let Some(vertex) = deltas.iter().position(is_wild) {
+            let fault = document.fault(&place, not_finite_text(accessor, vertex));
+            document.lose(fault, "such vertices do not move")?;
+            deltas.iter_mut().filter(|delta| is_wild(delta)).for_each(|delta| *delta = [0.0; N]);
+        }
+        Ok(deltas.into_iter().map(convert).collect())
     }
 }
 

@@ -4,11 +4,12 @@
 //! refuse: buffers without data behind a compression extension, sparse accessors without a view, required
 //! extensions newer than any list.
 //!
-//! **Trust.** A file is input from a stranger. Only files below its own folder are opened. Every index,
-//! offset and length is checked where it is used, and recursion is avoided where a file chooses the depth.
-//! What one file may take: the JSON costs at most about 200 times its size; everything decoded from buffers
-//! together at most [`limits::BASE_BYTES`] plus [`limits::BYTES_PER_INPUT_BYTE`] times the bytes read; images
-//! at most [`limits::IMAGE_BYTES`] together; and at most [`limits::MAX_DRAWN_TRIANGLES`] triangles are drawn.
+//! **Trust.** A file is input from a stranger. Only files below its own folder, or one that the caller
+//! allows, are opened. Every index, offset and length is checked where it is used, and recursion is avoided
+//! where a file chooses the depth. What one file may take: the JSON costs at most about 200 times its size;
+//! everything decoded from buffers together at most [`limits::BASE_BYTES`] plus
+//! [`limits::BYTES_PER_INPUT_BYTE`] times the bytes read; images at most [`limits::IMAGE_BYTES`] together;
+//! and at most [`limits::MAX_DRAWN_TRIANGLES`] triangles are drawn.
 
 use std::path::Path;
 
@@ -36,6 +37,7 @@ mod material;
 mod mesh;
 mod meshopt;
 mod node;
+mod pointer;
 mod resource;
 mod schema;
 mod texels;
@@ -50,6 +52,7 @@ const DRAWN: &[&str] = &[
     "EXT_texture_webp",
     #[cfg(feature = "draco")]
     "KHR_draco_mesh_compression",
+    "KHR_animation_pointer",
     "KHR_lights_punctual",
     "KHR_materials_emissive_strength",
     "KHR_materials_pbrSpecularGlossiness",
@@ -70,7 +73,6 @@ const DRAWN: &[&str] = &[
 /// Extensions whose absence changes the look but not the sense of a file, so that a file may even require
 /// them.
 const IGNORED: &[&str] = &[
-    "KHR_animation_pointer",
     "KHR_materials_anisotropy",
     "KHR_materials_clearcoat",
     "KHR_materials_diffuse_transmission",
@@ -106,14 +108,23 @@ pub(super) fn load_slice(bytes: &[u8], path: &Path, options: &LoadOptions) -> Re
     };
     let hierarchy = node::Hierarchy::build(&document)?;
     parts.nodes = hierarchy.nodes(&document);
-    parts.cameras = hierarchy.cameras(&document)?;
-    parts.lights = hierarchy.lights(&document)?;
-    parts.animations = animation::read(&document, &hierarchy, &mut parts.nodes)?;
+    let cameras = hierarchy.cameras(&document)?;
+    parts.cameras = cameras.sound;
+    let lights = hierarchy.lights(&document)?;
+    parts.lights = lights.sound;
     let skins = hierarchy.skins(&document)?;
     let mut materials = material::Materials::new(&document);
     hierarchy.place_meshes(&document, &mut materials, &skins, &mut parts)?;
     parts.skins = skins.sound;
+    let material_of = materials.index_of().to_vec();
     (parts.materials, parts.textures) = materials.finish()?;
+    let targets = animation::Targets {
+        hierarchy: &hierarchy,
+        materials: &material_of,
+        lights: &lights.file_index,
+        cameras: &cameras.file_index,
+    };
+    parts.animations = animation::read(&document, &targets, &mut parts)?;
 
     // A file of which nothing is left is an error.
     if parts.instances.is_empty()

@@ -8,7 +8,7 @@ use super::{
     document::Document,
     limits::MAX_DRAWN_TRIANGLES,
     material::Materials,
-    mesh,
+    mesh, pointer,
     schema::{self, Index},
 };
 use crate::{
@@ -28,8 +28,10 @@ pub(super) struct Hierarchy {
     parents: Vec<Option<u32>>,
     /// `parent_from_node` of each sorted node at rest.
     transforms: Vec<Transform>,
-    /// Whether each sorted node belongs to the scene shown, and is not hidden.
+    /// Whether each sorted node belongs to the scene shown, and is not hidden, or not always.
     shown: Vec<bool>,
+    /// Sorted nodes that are hidden unless an animation shows them.
+    pub hidden_at_rest: Vec<u32>,
 }
 
 /// A node in messages.
@@ -79,16 +81,22 @@ impl Hierarchy {
                 }
             }
         }
+        // What an animation may show belongs to it.
+        let fading: HashSet<Index> = pointer::animated_visibilities(document).collect();
+        let mut hidden_at_rest = Vec::new();
         let mut transforms = Vec::with_capacity(nodes.len());
         for (at, &index) in order.iter().enumerate() {
             let read = transform(document, &nodes[index], &place(index));
             let read = document.salvage(read, "it and what hangs on it are not drawn")?;
             let inherited = parents[at].is_some_and(|parent| shown[parent as usize]);
-            shown[at] =
-                (shown[at] || inherited) && nodes[index].extensions.visibility.visible && read.is_some();
+            let is_visible = nodes[index].extensions.visibility.visible;
+            if !is_visible && fading.contains(&index) {
+                hidden_at_rest.push(at as u32);
+            }
+            shown[at] = (shown[at] || inherited) && (is_visible || fading.contains(&index)) && read.is_some();
             transforms.push(read.unwrap_or(Transform::IDENTITY));
         }
-        Ok(Self { order, sorted, parents, transforms, shown })
+        Ok(Self { order, sorted, parents, transforms, shown, hidden_at_rest })
     }
 
     /// Sorted index of a node of the file.
@@ -116,13 +124,13 @@ impl Hierarchy {
         nodes.map(|(at, &index)| (at as u32, index, &document.root.nodes[index]))
     }
 
-    pub(super) fn cameras(&self, document: &Document<'_>) -> Result<Vec<Camera>, SceneError> {
+    pub(super) fn cameras(&self, document: &Document<'_>) -> Result<Cameras, SceneError> {
         let mut hung: Vec<_> = self
             .shown(document)
             .filter_map(|(at, index, node)| node.camera.map(|camera| (camera, index, at)))
             .collect();
         hung.sort_unstable();
-        let mut cameras = Vec::new();
+        let mut cameras = Cameras::default();
         let mut names = Names::default();
         for (camera, node, at) in hung {
             let Some(lens) = document.salvage(lens(document, camera, node), "left out")? else { continue };
@@ -135,16 +143,19 @@ impl Hierarchy {
                 .cloned()
                 .unwrap_or_else(|| format!("camera{camera}"));
             let name = names.unique(base);
-            cameras.push(Camera { name, lens, clip, motion: CameraMotion::Node(at) });
+            cameras.sound.push(Camera { name, lens, clip, motion: CameraMotion::Node(at) });
+            cameras.file_index.push(camera);
         }
         Ok(cameras)
     }
 
-    pub(super) fn lights(&self, document: &Document<'_>) -> Result<Vec<Light>, SceneError> {
-        let mut lights = Vec::new();
+    pub(super) fn lights(&self, document: &Document<'_>) -> Result<Lights, SceneError> {
+        let mut lights = Lights::default();
         for (at, index, node) in self.shown(document) {
-            if let Some(hung) = &node.extensions.light {
-                lights.extend(document.salvage(light(document, hung.light, index, at), "left out")?);
+            let Some(hung) = &node.extensions.light else { continue };
+            if let Some(light) = document.salvage(light(document, hung.light, index, at), "left out")? {
+                lights.sound.push(light);
+                lights.file_index.push(hung.light);
             }
         }
         Ok(lights)
@@ -280,6 +291,22 @@ impl Hierarchy {
         }
         Ok(())
     }
+}
+
+/// The cameras that are sound, one for each node on which one hangs.
+#[derive(Default)]
+pub(super) struct Cameras {
+    pub sound: Vec<Camera>,
+    /// Of each its index in the file.
+    pub file_index: Vec<Index>,
+}
+
+/// The lights that are sound, one for each node on which one hangs.
+#[derive(Default)]
+pub(super) struct Lights {
+    pub sound: Vec<Light>,
+    /// Of each its index in the file.
+    pub file_index: Vec<Index>,
 }
 
 /// The skins of a file that are sound.

@@ -185,6 +185,20 @@ pub(super) struct AnimationChannel {
 pub(super) struct AnimationTarget {
     pub node: Option<Index>,
     pub path: String,
+    #[serde(default)]
+    pub extensions: AnimationTargetExtensions,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct AnimationTargetExtensions {
+    #[serde(rename = "KHR_animation_pointer")]
+    pub pointer: Option<AnimationPointer>,
+}
+
+#[derive(Debug, Deserialize)]
+pub(super) struct AnimationPointer {
+    pub pointer: String,
 }
 
 #[derive(Debug, Deserialize)]
