@@ -3,6 +3,8 @@
 //! * `smoke`: 50k textured camera-facing quads in a cloud, many layers a ray.
 //! * `hair`: a ball under one million thin triangles.
 //! * `mixed`: terrain and balls, 70 % of 500k triangles, among textured cards.
+//! * `instances`: 400 turned balls of 1152 triangles each, as instances of one (`shared`) and as they would
+//!   be with triangles of their own (`copied`).
 //!
 //! Rays: `closest` takes the first hit, `stochastic` compares a texture's alpha with a hash of pixel and
 //! triangle, `all` collects every hit, `shadow` multiplies transmittances towards a light until nothing is
@@ -13,8 +15,8 @@ use std::hint::black_box;
 use std::time::Duration;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use glam::{Vec3, vec3};
-use sheer_accel::{Bvh, Hit, Ray, SimdPath};
+use glam::{Affine3A, Quat, Vec3, vec3};
+use sheer_accel::{Bvh, Hit, Instance, MeshTree, Ray, SimdPath};
 
 const WIDTH: u32 = 480;
 const HEIGHT: u32 = 270;
@@ -264,5 +266,52 @@ fn build(criterion: &mut Criterion) {
     }
 }
 
-criterion_group!(benches, build, rays);
+/// What it costs to share the triangles of a mesh.
+fn instances(criterion: &mut Criterion) {
+    let mut ball = Vec::new();
+    push_ball(&mut ball, Vec3::ZERO, 1.0, 24);
+    let mut random = Random(4);
+    let instances: Vec<Instance> = (0..400)
+        .map(|index| {
+            let rotation = Quat::from_axis_angle(random.in_ball().normalize(), TAU * random.next());
+            let scale = Vec3::splat(0.05 + 0.15 * random.next());
+            let centre = random.in_ball() * vec3(2.4, 1.2, 1.2);
+            let world_from_object = Affine3A::from_scale_rotation_translation(scale, rotation, centre);
+            Instance { mesh: 0, world_from_object, first_triangle: index * ball.len() as u32 }
+        })
+        .collect();
+    let mut shared =
+        Bvh::build_with_meshes(&[], vec![MeshTree::build(&ball)], (instances.len() * ball.len()) as u32);
+    shared.place_instances(0, &instances);
+    let to_world = |instance: &Instance| {
+        let map = instance.world_from_object;
+        ball.iter().map(move |triangle| triangle.map(|p| map.transform_point3(p)))
+    };
+    let copied = Bvh::build(&instances.iter().flat_map(to_world).collect::<Vec<_>>());
+    let camera = camera_rays();
+    let mut group = criterion.benchmark_group("instances");
+    group.sample_size(10).measurement_time(Duration::from_secs(2));
+    group.throughput(Throughput::Elements(camera.len() as u64));
+    for (name, bvh) in [("shared", &shared), ("copied", &copied)] {
+        group.bench_function(BenchmarkId::new("closest", name), |bencher| {
+            bencher.iter(|| {
+                for ray in &camera {
+                    black_box(bvh.closest(ray, |_| true));
+                }
+            });
+        });
+        group.bench_function(BenchmarkId::new("all", name), |bencher| {
+            let mut hits = Vec::new();
+            bencher.iter(|| {
+                for ray in &camera {
+                    bvh.all(ray, &mut hits);
+                    black_box(&hits);
+                }
+            });
+        });
+    }
+    group.finish();
+}
+
+criterion_group!(benches, build, rays, instances);
 criterion_main!(benches);

@@ -44,8 +44,12 @@ pub(crate) struct Bounds {
 impl Bounds {
     pub(crate) const EMPTY: Self = Self { lower: Vec4::INFINITY, upper: Vec4::NEG_INFINITY };
 
+    pub(crate) fn new([lower, upper]: [Vec3A; 2]) -> Self {
+        Self { lower: lower.extend(0.0), upper: upper.extend(0.0) }
+    }
+
     #[inline(always)]
-    fn union(self, other: Self) -> Self {
+    pub(crate) fn union(self, other: Self) -> Self {
         Self { lower: self.lower.min(other.lower), upper: self.upper.max(other.upper) }
     }
 
@@ -110,14 +114,16 @@ pub fn is_kept(triangle: &[Vec3; 3]) -> bool {
     finite(a) && finite(b) && finite(c) && a != b && b != c && c != a
 }
 
-/// Appends a tree over `triangles[range]`. None if no triangle there is kept.
+/// Appends a tree over `triangles[range]`, numbered `shift` further on. None if no triangle there is kept.
 pub(crate) fn build(
     triangles: &[[Vec3; 3]],
     range: Range<usize>,
+    shift: u32,
     nodes: &mut Vec<Node>,
     blocks: &mut Vec<Block>,
 ) -> Option<Part> {
-    let range = range.start.min(INDEX_LIMIT)..range.end.min(INDEX_LIMIT);
+    let limit = INDEX_LIMIT - shift as usize;
+    let range = range.start.min(limit)..range.end.min(limit);
     let reference = |index: usize| {
         let [a, b, c] = triangles[index];
         Ref::new(a.min(b).min(c), a.max(b).max(c), index as u32)
@@ -139,7 +145,7 @@ pub(crate) fn build(
     blocks.par_extend(built.leaves.par_iter().with_min_len(CHUNK / WIDTH).map(|leaf| {
         let mut block = Block::EMPTY;
         for (lane, reference) in refs[leaf.clone()].iter().enumerate() {
-            block.set(lane, &triangles[reference.index() as usize], reference.index());
+            block.set(lane, &triangles[reference.index() as usize], reference.index() + shift);
         }
         block
     }));
@@ -151,28 +157,40 @@ pub(crate) fn build(
 pub(crate) fn join(a: Part, b: Part, nodes: &mut Vec<Node>) -> Part {
     let mut subtrees = open(a, nodes);
     subtrees.extend(open(b, nodes));
+    let boxes: Vec<Bounds> = subtrees.iter().map(|subtree| subtree.bounds).collect();
+    let roots: Vec<Child> = subtrees.iter().map(|subtree| subtree.root).collect();
+    arrange(&boxes, &roots, JOINT_HEURISTIC_LEVELS, nodes).expect("two parts give two boxes")
+}
+
+/// Appends a tree whose leaves are no blocks but `owners`, each in its box. None without any.
+pub(crate) fn build_over(boxes: &[Bounds], owners: &[usize], nodes: &mut Vec<Node>) -> Option<Part> {
+    let leaves: Vec<Child> = owners.iter().map(|&owner| Child::block(owner)).collect();
+    arrange(boxes, &leaves, HEURISTIC_LEVELS, nodes)
+}
+
+/// Appends the nodes that make one tree of what lies in boxes.
+fn arrange(boxes: &[Bounds], owners: &[Child], heuristic_levels: u32, nodes: &mut Vec<Node>) -> Option<Part> {
     let mut refs: Vec<Ref> = (0..)
-        .zip(&subtrees)
-        .map(|(index, subtree)| {
-            let (lower, upper) = subtree.bounds.corners();
+        .zip(boxes)
+        .map(|(index, bounds)| {
+            let (lower, upper) = bounds.corners();
             Ref::new(lower.into(), upper.into(), index)
         })
         .collect();
-    let rules = Rules { leaf_size: 1, heuristic_levels: JOINT_HEURISTIC_LEVELS };
-    let built = rules.grow(&mut refs).expect("two parts give two references");
+    let built = Rules { leaf_size: 1, heuristic_levels }.grow(&mut refs)?;
     let first_node = nodes.len();
+    let owner = |child: Child| {
+        if child != Child::NONE && child.is_block() {
+            owners[refs[built.leaves[child.index()].start].index() as usize]
+        } else {
+            child.shifted(first_node, 0)
+        }
+    };
     nodes.extend(built.nodes.into_iter().map(|mut node| {
-        node.children = node.children.map(|child| {
-            if child != Child::NONE && child.is_block() {
-                let leaf = &built.leaves[child.index()];
-                subtrees[refs[leaf.start].index() as usize].root
-            } else {
-                child.shifted(first_node, 0)
-            }
-        });
+        node.children = node.children.map(owner);
         node
     }));
-    Part { root: built.root.shifted(first_node, 0), bounds: built.bounds }
+    Some(Part { root: owner(built.root), bounds: built.bounds })
 }
 
 /// Up to [`JOINT`] subtrees that make up a part: the largest is opened again and again.
@@ -580,7 +598,7 @@ mod tests {
             })
             .collect();
         let (mut nodes, mut blocks) = (Vec::new(), Vec::new());
-        build(&triangles, 0..triangles.len(), &mut nodes, &mut blocks).expect("there are triangles");
+        build(&triangles, 0..triangles.len(), 0, &mut nodes, &mut blocks).expect("there are triangles");
         for lane in 0..WIDTH {
             assert!(nodes[0].upper(lane).x - nodes[0].lower(lane).x <= 1.0);
         }

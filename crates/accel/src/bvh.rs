@@ -3,10 +3,11 @@
 use std::fmt;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use glam::{Vec3, Vec3A};
+use glam::Vec3;
 
-use crate::build::{self, Part};
+use crate::build::{self, Bounds, Part};
 use crate::error::AccelError;
+use crate::instance::{Instance, MeshTree, TopLevel};
 use crate::node::{Block, Child, Node};
 use crate::packed::PackedTree;
 use crate::ray::{Hit, Ray};
@@ -30,7 +31,17 @@ pub struct Bvh {
     blocks: Vec<Block>,
     whole: Option<Part>,
     kept: Kept,
+    /// What is drawn as instances; boxed, for most trees have none.
+    instanced: Option<Box<Instanced>>,
     path: SupportedPath,
+}
+
+/// Instances beside a tree.
+#[derive(Clone)]
+struct Instanced {
+    top: TopLevel,
+    /// How many numbers are theirs, between those of the static part and those of the part that moves.
+    number_count: u32,
 }
 
 /// The part of a tree that [`Bvh::rebuild_after`] keeps.
@@ -48,11 +59,24 @@ impl Bvh {
     /// Builds a tree on the threads of the current rayon pool; their number does not change it.
     /// [`Hit::triangle`] indexes `triangles`.
     pub fn build(triangles: &[[Vec3; 3]]) -> Self {
+        Self::build_beside(triangles, None)
+    }
+
+    /// Builds a tree over triangles that never move, with room for instances of meshes beside it:
+    /// [`Bvh::place_instances`] says where they are. The `number_count` numbers behind those of `triangles`
+    /// are kept for their triangles; what [`Bvh::rebuild_after`] adds is numbered from there on.
+    #[must_use]
+    pub fn build_with_meshes(triangles: &[[Vec3; 3]], meshes: Vec<MeshTree>, number_count: u32) -> Self {
+        Self::build_beside(triangles, Some(Box::new(Instanced { top: TopLevel::new(meshes), number_count })))
+    }
+
+    fn build_beside(triangles: &[[Vec3; 3]], instanced: Option<Box<Instanced>>) -> Self {
         let mut bvh = Self {
             nodes: Vec::new(),
             blocks: Vec::new(),
             whole: None,
             kept: Kept { triangle_count: 0, node_count: 0, block_count: 0, part: None, id: 0 },
+            instanced,
             path: SupportedPath::detect(),
         };
         bvh.rebuild_after(triangles.len(), triangles);
@@ -70,7 +94,7 @@ impl Bvh {
         if static_count != self.kept.triangle_count {
             self.nodes.clear();
             self.blocks.clear();
-            let part = build::build(triangles, 0..static_count, &mut self.nodes, &mut self.blocks);
+            let part = build::build(triangles, 0..static_count, 0, &mut self.nodes, &mut self.blocks);
             self.kept = Kept {
                 triangle_count: static_count,
                 node_count: self.nodes.len(),
@@ -81,29 +105,49 @@ impl Bvh {
         }
         self.nodes.truncate(self.kept.node_count);
         self.blocks.truncate(self.kept.block_count);
-        let moving =
-            build::build(triangles, static_count..triangles.len(), &mut self.nodes, &mut self.blocks);
+        let (moving, shift) = (static_count..triangles.len(), self.shift());
+        let moving = build::build(triangles, moving, shift, &mut self.nodes, &mut self.blocks);
         self.whole = match (self.kept.part, moving) {
             (Some(kept), Some(moving)) => Some(build::join(kept, moving, &mut self.nodes)),
             (kept, moving) => kept.or(moving),
         };
     }
 
+    /// How many numbers lie between those of the static part and those of the part that moves.
+    fn shift(&self) -> u32 {
+        self.instanced.as_ref().map_or(0, |instanced| instanced.number_count)
+    }
+
+    /// Places the instances of the meshes that [`Bvh::build_with_meshes`] was given, in place of those of the
+    /// last call, of which the first `still_count` have not changed. Nothing happens to a tree without
+    /// meshes.
+    pub fn place_instances(&mut self, still_count: usize, instances: &[Instance]) {
+        if let Some(instanced) = &mut self.instanced {
+            instanced.top.place(still_count, instances);
+        }
+    }
+
     /// Lowest and highest corner of all triangles; none without any.
     #[must_use]
     pub fn bounds(&self) -> Option<[Vec3; 2]> {
-        let tree = self.tree();
-        tree.root.map(|_| [tree.lower.into(), tree.upper.into()])
+        let own = self.whole.map(|part| part.bounds);
+        let placed = self.instanced.as_ref().and_then(|instanced| instanced.top.bounds());
+        let (lower, upper) = own.into_iter().chain(placed).reduce(Bounds::union)?.corners();
+        Some([lower.into(), upper.into()])
     }
 
     /// Visits every hit inside `[t_min, t_max]`, in no promised order except that near boxes come first.
     /// `visit` returns the new `t_max`; one above the current has no effect, `f32::NEG_INFINITY` stops.
     /// No triangle is visited twice.
     ///
-    /// The closure is compiled into the traversal, once for each SIMD path.
+    /// The closure is compiled into the traversal, once for each SIMD path; where there are instances it is
+    /// called.
     #[inline]
-    pub fn traverse(&self, ray: &Ray, visit: impl FnMut(Hit) -> f32) {
-        self.path.traverse(self.tree(), ray, visit);
+    pub fn traverse(&self, ray: &Ray, mut visit: impl FnMut(Hit) -> f32) {
+        match &self.instanced {
+            None => self.path.traverse(self.tree(), ray, visit),
+            Some(instanced) => self.path.traverse_two_levels(self.tree(), &instanced.top, ray, &mut visit),
+        }
     }
 
     /// The nearest hit that `accept` takes. Of hits at equal `t` the lowest triangle index wins, whatever
@@ -145,15 +189,17 @@ impl Bvh {
     }
 
     /// Checks the tree against the triangles it was built from: each one that is not ignored in exactly one
-    /// leaf, each box around what lies below it, no NaN, no broken link.
+    /// leaf, each box around what lies below it, no NaN, no broken link. Of a tree that has instances beside
+    /// it, those are no part.
     ///
     /// # Errors
     /// The first fault found.
     pub fn validate(&self, triangles: &[[Vec3; 3]]) -> Result<Stats, AccelError> {
-        validate::validate(self.tree(), triangles)
+        validate::validate(self.tree(), triangles, self.kept.triangle_count, self.shift())
     }
 
-    /// The tree as bytes, for a processor that traverses it by itself; nothing is copied.
+    /// The tree as bytes, for a processor that traverses it by itself; nothing is copied, and instances
+    /// beside the tree are no part of it.
     #[must_use]
     pub fn packed(&self) -> PackedTree<'_> {
         let tree = self.tree();
@@ -184,14 +230,7 @@ impl Bvh {
     }
 
     pub(crate) fn tree(&self) -> Tree<'_> {
-        let (lower, upper) = self.whole.map_or((Vec3A::ZERO, Vec3A::ZERO), |part| part.bounds.corners());
-        Tree {
-            nodes: &self.nodes,
-            blocks: &self.blocks,
-            root: self.whole.map(|part| part.root),
-            lower,
-            upper,
-        }
+        Tree::new(&self.nodes, &self.blocks, self.whole)
     }
 }
 

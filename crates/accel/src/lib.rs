@@ -11,6 +11,8 @@
 //!   JCGT 2013) with a fill rule, so that a ray through a shared edge or vertex hits exactly one of the
 //!   triangles around it: no hole, and no layer counted twice.
 //! * Boxes: conservative after Ize (*Robust BVH Ray Traversal*, JCGT 2013) and Woop et al.
+//! * Instances: what is drawn many times can be stored once ([`Bvh::build_with_meshes`]): a tree a mesh and
+//!   one over all instances, with the hits of a tree over all of their triangles, to the bit.
 //! * Paths: AVX-512, AVX2 and portable code, chosen at run time ([`SimdPath`]); hits are the same bits on
 //!   all.
 //!
@@ -28,9 +30,11 @@
 mod build;
 mod bvh;
 mod error;
+mod instance;
 mod limits;
 mod node;
 mod packed;
+mod placement;
 mod ray;
 mod simd;
 #[cfg(test)]
@@ -42,6 +46,7 @@ mod validate;
 pub use build::is_kept;
 pub use bvh::Bvh;
 pub use error::AccelError;
+pub use instance::{Instance, MeshTree};
 pub use packed::PackedTree;
 pub use ray::{Hit, Ray};
 pub use simd::SimdPath;

@@ -1,9 +1,9 @@
 //! The tree against brute force, on every path, and on input meant to break it.
 
-use glam::{Vec3, vec3};
+use glam::{Affine3A, Mat3, Quat, Vec3, vec3};
 
 use crate::node::Child;
-use crate::{AccelError, Bvh, Hit, PackedTree, Ray, SimdPath};
+use crate::{AccelError, Bvh, Hit, Instance, MeshTree, PackedTree, Ray, SimdPath};
 
 type Triangle = [Vec3; 3];
 
@@ -623,4 +623,247 @@ fn a_packed_tree_names_the_part_that_stays() {
 
 fn kept_id(bvh: &Bvh) -> u64 {
     bvh.packed().kept_id
+}
+
+/// Triangles beside instances, as they are and with all triangles of the instances in world.
+struct TwoLevels {
+    static_triangles: Vec<Triangle>,
+    meshes: Vec<Vec<Triangle>>,
+    instances: Vec<Instance>,
+    moving: Vec<Triangle>,
+}
+
+impl TwoLevels {
+    fn number_count(&self) -> u32 {
+        self.instances.iter().map(|instance| self.meshes[instance.mesh].len() as u32).sum()
+    }
+
+    fn instanced(&self) -> Bvh {
+        let meshes = self.meshes.iter().map(|mesh| MeshTree::build(mesh)).collect();
+        let mut bvh = Bvh::build_with_meshes(&self.static_triangles, meshes, self.number_count());
+        bvh.place_instances(0, &self.instances);
+        let stored = [&self.static_triangles[..], &self.moving].concat();
+        bvh.rebuild_after(self.static_triangles.len(), &stored);
+        bvh.validate(&stored).unwrap();
+        bvh
+    }
+
+    fn flattened(&self) -> Bvh {
+        let mut triangles = self.static_triangles.clone();
+        for instance in &self.instances {
+            assert_eq!(triangles.len(), instance.first_triangle as usize);
+            let to_world =
+                |triangle: &Triangle| triangle.map(|p| instance.world_from_object.transform_point3(p));
+            triangles.extend(self.meshes[instance.mesh].iter().map(to_world));
+        }
+        triangles.extend(&self.moving);
+        Bvh::build(&triangles)
+    }
+
+    /// Adds an instance of a mesh.
+    fn place(&mut self, mesh: usize, world_from_object: Affine3A) {
+        let first_triangle = self.static_triangles.len() as u32 + self.number_count();
+        self.instances.push(Instance { mesh, world_from_object, first_triangle });
+    }
+}
+
+impl Random {
+    /// Turned, scaled alike or not along its axes, mirrored, sheared, flat, or small and far from its origin.
+    fn map(&mut self) -> Affine3A {
+        let rotation = Quat::from_axis_angle(self.point().normalize(), 7.0 * self.unit());
+        let scale = match self.bits() % 6 {
+            0 => Vec3::ONE,
+            1 => Vec3::splat(0.1 + self.unit()),
+            2 => self.point(),
+            3 => self.point() * vec3(1.0, 0.0, 1.0),
+            4 => vec3(-1.0, 1.0, 1.0),
+            _ => vec3(1e-6, 0.5, 30.0 * self.unit()),
+        };
+        let placed = Affine3A::from_scale_rotation_translation(scale, rotation, self.point());
+        match self.bits() % 4 {
+            0 => placed * Affine3A::from_mat3(Mat3::from_cols(Vec3::X, vec3(0.7, 1.0, -0.2), Vec3::Z)),
+            // Far from its origin: what is near to the rays is what is left of large numbers.
+            1 => {
+                placed
+                    * Affine3A::from_translation(vec3(-200.0, 30.0, 0.1))
+                    * Affine3A::from_translation(vec3(200.0, -30.0, 0.0))
+            }
+            2 => Affine3A::from_scale_rotation_translation(
+                Vec3::splat(0.6),
+                Quat::IDENTITY,
+                self.point() * 0.5,
+            ),
+            _ => placed,
+        }
+    }
+}
+
+#[test]
+fn instances_are_hit_as_their_triangles_would_be() {
+    let mut hit_count = 0;
+    for seed in 0..12 {
+        let mut random = Random(seed << 16 | 9);
+        let mut scene = TwoLevels {
+            static_triangles: random.soup(seed as usize % 3 * 40, 0.4),
+            meshes: vec![
+                random.soup(90, 0.5),
+                icosphere(2, Vec3::ZERO, 0.8),
+                random.soup(3, 1.0),
+                Vec::new(),
+            ],
+            instances: Vec::new(),
+            moving: random.soup(seed as usize % 4 * 20, 0.4),
+        };
+        for _ in 0..[1, 2, 9, 40][seed as usize % 4] {
+            let (mesh, map) = (random.bits() as usize % 4, random.map());
+            scene.place(mesh, map);
+            // Every third is there twice: equal depths go to the first.
+            if random.bits().is_multiple_of(3) {
+                scene.place(mesh, map);
+            }
+        }
+        let (instanced, flattened) = (scene.instanced(), scene.flattened());
+        assert_eq!(instanced.bounds(), flattened.bounds());
+        for _ in 0..200 {
+            let mut ray = random.ray();
+            if random.bits().is_multiple_of(2) {
+                ray.t_min = random.unit();
+                ray.t_max = ray.t_min + random.unit();
+            }
+            let expected = all_hits(&flattened, &ray);
+            hit_count += expected.len();
+            let accept = |hit: &Hit| hit.triangle.wrapping_mul(0x9e37_79b9) >> 30 != 0;
+            for bvh in on_each_path(&instanced) {
+                assert_eq!(all_hits(&bvh, &ray), expected);
+                assert_eq!(bvh.closest(&ray, |_| true), flattened.closest(&ray, |_| true));
+                assert_eq!(bvh.closest(&ray, accept), flattened.closest(&ray, accept));
+                assert_eq!(bvh.any(&ray, |hit| !accept(hit)), flattened.any(&ray, |hit| !accept(hit)));
+            }
+        }
+    }
+    assert!(hit_count > 10_000, "{hit_count}");
+}
+
+#[test]
+fn an_instance_that_is_elsewhere_by_a_rounding_is_hit_elsewhere() {
+    let mut random = Random(31);
+    let mut scene = TwoLevels {
+        static_triangles: Vec::new(),
+        meshes: vec![icosphere(3, Vec3::ZERO, 0.8)],
+        instances: Vec::new(),
+        moving: Vec::new(),
+    };
+    scene.place(0, Affine3A::from_rotation_y(0.3));
+    let flattened = scene.flattened();
+    let differ = |scene: &TwoLevels, random: &mut Random| {
+        let instanced = scene.instanced();
+        (0..200)
+            .filter(|_| {
+                let ray = random.ray();
+                all_hits(&instanced, &ray) != all_hits(&flattened, &ray)
+            })
+            .count()
+    };
+    assert_eq!(differ(&scene, &mut random), 0);
+    scene.instances[0].world_from_object.matrix3.x_axis.x = 0.3_f32.cos().next_down();
+    assert!(differ(&scene, &mut random) > 50);
+}
+
+#[test]
+fn rays_through_edges_and_vertices_cross_a_closed_instance() {
+    let mut random = Random(32);
+    for map in [
+        Affine3A::from_rotation_x(0.4),
+        Affine3A::from_scale_rotation_translation(
+            vec3(-2.0, 0.3, 1.7),
+            Quat::from_rotation_z(1.0),
+            vec3(900.0, 2.0, -7.0),
+        ),
+    ] {
+        let mut scene = TwoLevels {
+            static_triangles: Vec::new(),
+            meshes: vec![icosphere(3, Vec3::ZERO, 1.0)],
+            instances: Vec::new(),
+            moving: Vec::new(),
+        };
+        scene.place(0, map);
+        for bvh in on_each_path(&scene.instanced()) {
+            for triangle in &scene.meshes[0] {
+                let [a, b, _] = triangle.map(|p| map.transform_point3(p));
+                let target = if random.bits().is_multiple_of(2) { a } else { a + (b - a) * random.unit() };
+                let origin = map.transform_point3(random.point() * 0.3);
+                let ray = Ray { origin, direction: target - origin, t_min: 0.0, t_max: f32::INFINITY };
+                assert_eq!(all_hits(&bvh, &ray).len(), 1, "from inside {origin} through {target}");
+            }
+        }
+    }
+}
+
+#[test]
+fn instances_out_of_range_lose_the_triangles_that_are() {
+    let mut scene = TwoLevels {
+        static_triangles: Vec::new(),
+        meshes: vec![icosphere(2, Vec3::ZERO, 1.0)],
+        instances: Vec::new(),
+        moving: Vec::new(),
+    };
+    // Half of it beyond 1e12; all of it; a point; a point by rounding; not a number.
+    scene.place(0, Affine3A::from_scale_rotation_translation(Vec3::splat(1.5e12), Quat::IDENTITY, Vec3::X));
+    scene.place(0, Affine3A::from_translation(vec3(1e13, 0.0, 0.0)));
+    scene.place(0, Affine3A::from_scale(Vec3::ZERO));
+    scene.place(
+        0,
+        Affine3A::from_scale_rotation_translation(Vec3::splat(1e-7), Quat::IDENTITY, Vec3::splat(7.0)),
+    );
+    scene.place(0, Affine3A::from_scale(Vec3::splat(f32::NAN)));
+    scene.place(0, Affine3A::from_scale(vec3(f32::INFINITY, 1.0, 1.0)));
+    let (instanced, flattened) = (scene.instanced(), scene.flattened());
+    assert_eq!(instanced.bounds(), flattened.bounds());
+    let mut random = Random(33);
+    let mut hit_count = 0;
+    for _ in 0..500 {
+        let origin = random.point() * 1e11;
+        let ray = Ray { origin, direction: random.point() * 1e11, t_min: 0.0, t_max: f32::INFINITY };
+        let expected = all_hits(&flattened, &ray);
+        hit_count += expected.len();
+        on_each_path(&instanced).for_each(|bvh| assert_eq!(all_hits(&bvh, &ray), expected));
+    }
+    assert!(hit_count > 50, "{hit_count}");
+}
+
+#[test]
+fn instances_that_move_are_found_where_they_are() {
+    let mut random = Random(34);
+    let mut scene = TwoLevels {
+        static_triangles: random.soup(50, 0.3),
+        meshes: vec![random.soup(60, 0.5)],
+        instances: Vec::new(),
+        moving: random.soup(10, 0.4),
+    };
+    for _ in 0..20 {
+        let map = random.map();
+        scene.place(0, map);
+    }
+    let mut bvh = scene.instanced();
+    let still_count = 12;
+    for step in 0..4 {
+        for instance in &mut scene.instances[still_count..] {
+            instance.world_from_object = random.map();
+        }
+        scene.moving = random.soup(10 * step, 0.4);
+        bvh.place_instances(still_count, &scene.instances);
+        bvh.rebuild_after(50, &[&scene.static_triangles[..], &scene.moving].concat());
+        let flattened = scene.flattened();
+        assert_eq!(bvh.bounds(), flattened.bounds());
+        for _ in 0..100 {
+            let ray = random.ray();
+            assert_eq!(all_hits(&bvh, &ray), all_hits(&flattened, &ray));
+        }
+    }
+    // None at all are none.
+    bvh.place_instances(0, &[]);
+    let ray = random.ray();
+    let own = |hits: Vec<Hit>| hits.into_iter().map(|hit| hit.t).collect::<Vec<_>>();
+    let stored = [&scene.static_triangles[..], &scene.moving].concat();
+    assert_eq!(own(all_hits(&bvh, &ray)), own(all_hits(&Bvh::build(&stored), &ray)));
 }

@@ -2,8 +2,10 @@
 
 use glam::Vec3A;
 
+use crate::instance::TopLevel;
 use crate::limits::{COORDINATE_LIMIT, LEAST_SPEED, SPEED_LIMIT};
 use crate::node::{Block, Node, WIDTH};
+use crate::placement::{InWorld, Placement};
 use crate::ray::{Hit, Ray};
 use crate::simd::lanes::Lanes;
 use crate::simd::stack::{Slots, Stack};
@@ -13,10 +15,65 @@ use crate::tree::Tree;
 /// `t_max`. Sees near boxes first and stops once `t_max < t_min`.
 #[inline(always)]
 pub(crate) fn traverse<L: Lanes>(lanes: L, tree: Tree<'_>, ray: &Ray, mut visit: impl FnMut(Hit) -> f32) {
-    let Some(root) = tree.root else { return };
     let Some(slabs) = Slabs::new(ray, tree.lower, tree.upper) else { return };
     let shear = Shear::new(ray, slabs.inverse);
+    walk(lanes, tree, &InWorld, &slabs, &shear, ray.t_max, &mut visit);
+}
+
+/// The same through a tree and the instances beside it: first all of the tree, then each instance whose box
+/// is still in reach, near ones first.
+#[inline(always)]
+pub(crate) fn traverse_two_levels<L: Lanes>(
+    lanes: L,
+    tree: Tree<'_>,
+    top: &TopLevel,
+    ray: &Ray,
+    visit: &mut dyn FnMut(Hit) -> f32,
+) {
     let mut t_max = ray.t_max;
+    if let Some(slabs) = Slabs::new(ray, tree.lower, tree.upper) {
+        let shear = Shear::new(ray, slabs.inverse);
+        t_max = walk(lanes, tree, &InWorld, &slabs, &shear, t_max, &mut *visit);
+    }
+    let boxes = top.tree();
+    let Some(root) = boxes.root else { return };
+    let Some(slabs) = Slabs::new(ray, boxes.lower, boxes.upper) else { return };
+    let shear = Shear::new(ray, slabs.inverse);
+    let mut slots = Slots::new();
+    let mut stack = Stack::new(&mut slots);
+    stack.push(slabs.t_min, root);
+    while let Some((near, child)) = stack.pop() {
+        if near > t_max {
+            continue;
+        }
+        if child.is_block() {
+            let (mesh, placed) = top.instance(child.index());
+            t_max = walk(lanes, mesh, placed, &slabs, &shear, t_max, &mut *visit);
+            if t_max < slabs.t_min {
+                return;
+            }
+            continue;
+        }
+        let node = &boxes.nodes[child.index()];
+        let (near, entered) = slabs.enter(lanes, &InWorld, node, t_max);
+        if entered != 0 {
+            lanes.push(&mut stack, near, entered, &node.children);
+        }
+    }
+}
+
+/// Visits the hits in one tree, placed in the world; returns the `t_max` that is left.
+#[inline(always)]
+fn walk<L: Lanes, P: Placement>(
+    lanes: L,
+    tree: Tree<'_>,
+    place: &P,
+    slabs: &Slabs,
+    shear: &Shear,
+    mut t_max: f32,
+    mut visit: impl FnMut(Hit) -> f32,
+) -> f32 {
+    let Some(root) = tree.root else { return t_max };
     let mut hits = BlockHits { lanes: 0, front: 0, t: [0.0; WIDTH], u: [0.0; WIDTH], v: [0.0; WIDTH] };
     let mut slots = Slots::new();
     let mut stack = Stack::new(&mut slots);
@@ -27,7 +84,7 @@ pub(crate) fn traverse<L: Lanes>(lanes: L, tree: Tree<'_>, ray: &Ray, mut visit:
         }
         while !child.is_block() {
             let node = &tree.nodes[child.index()];
-            let (near, entered) = slabs.enter(lanes, node, t_max);
+            let (near, entered) = slabs.enter(lanes, place, node, t_max);
             if entered == 0 {
                 continue 'pop;
             }
@@ -51,7 +108,7 @@ pub(crate) fn traverse<L: Lanes>(lanes: L, tree: Tree<'_>, ray: &Ray, mut visit:
             }
         }
         let block = &tree.blocks[child.index()];
-        if !shear.hit(lanes, block, slabs.t_min, t_max, &mut hits) {
+        if !shear.hit(lanes, place, block, slabs.t_min, t_max, &mut hits) {
             continue;
         }
         let mut waiting = hits.lanes;
@@ -59,20 +116,21 @@ pub(crate) fn traverse<L: Lanes>(lanes: L, tree: Tree<'_>, ray: &Ray, mut visit:
             let lane = waiting.trailing_zeros() as usize % WIDTH;
             waiting &= waiting - 1;
             let t = hits.t[lane];
-            if t <= t_max {
+            if t <= t_max && place.keeps(block, lane) {
                 t_max = t_max.min(visit(Hit {
                     t,
                     u: hits.u[lane],
                     v: hits.v[lane],
-                    triangle: block.triangles[lane],
+                    triangle: place.number(block.triangles[lane]),
                     front: hits.front >> lane & 1 != 0,
                 }));
             }
         }
         if t_max < slabs.t_min {
-            return;
+            break;
         }
     }
+    t_max
 }
 
 /// The ray as the box test needs it: widened, so that no box is missed that holds a triangle the
@@ -142,32 +200,32 @@ impl Slabs {
     /// within `[t_min, t_max]`. A NaN, from a ray in the plane of a side, can only loosen the bounds: it
     /// loses against the second operand of `max` and `min`, and so does a pair of axes that gives one.
     #[inline(always)]
-    fn enter<L: Lanes>(&self, lanes: L, node: &Node, t_max: f32) -> (L::F, u32) {
+    fn enter<L: Lanes, P: Placement>(&self, lanes: L, place: &P, node: &Node, t_max: f32) -> (L::F, u32) {
         let near = [
-            self.enter_slab(lanes, node, 0),
-            self.enter_slab(lanes, node, 1),
-            self.enter_slab(lanes, node, 2),
+            self.enter_slab(lanes, place, node, 0),
+            self.enter_slab(lanes, place, node, 1),
+            self.enter_slab(lanes, place, node, 2),
         ];
         let far = [
-            self.leave_slab(lanes, node, 0),
-            self.leave_slab(lanes, node, 1),
-            self.leave_slab(lanes, node, 2),
+            self.leave_slab(lanes, place, node, 0),
+            self.leave_slab(lanes, place, node, 1),
+            self.leave_slab(lanes, place, node, 2),
         ];
         // In pairs: the next node waits for this chain.
         let near = lanes.max(lanes.max(near[2], near[1]), lanes.max(near[0], lanes.splat(self.t_min)));
         let far = lanes.min(lanes.min(far[2], far[1]), lanes.min(far[0], lanes.splat(t_max)));
-        (near, lanes.le(near, far))
+        (near, lanes.le(near, far) & place.used(lanes, node))
     }
 
     #[inline(always)]
-    fn enter_slab<L: Lanes>(&self, lanes: L, node: &Node, axis: usize) -> L::F {
-        let from_origin = translate(lanes, &node.bounds[self.near[axis]], self.origin_near[axis]);
+    fn enter_slab<L: Lanes, P: Placement>(&self, lanes: L, place: &P, node: &Node, axis: usize) -> L::F {
+        let from_origin = translate(lanes, place.plane(lanes, node, self.near[axis]), self.origin_near[axis]);
         lanes.mul(from_origin, lanes.splat(self.inverse_near[axis]))
     }
 
     #[inline(always)]
-    fn leave_slab<L: Lanes>(&self, lanes: L, node: &Node, axis: usize) -> L::F {
-        let from_origin = translate(lanes, &node.bounds[self.far[axis]], self.origin_far[axis]);
+    fn leave_slab<L: Lanes, P: Placement>(&self, lanes: L, place: &P, node: &Node, axis: usize) -> L::F {
+        let from_origin = translate(lanes, place.plane(lanes, node, self.far[axis]), self.origin_far[axis]);
         lanes.mul(from_origin, lanes.splat(self.inverse_far[axis]))
     }
 }
@@ -221,17 +279,25 @@ impl Shear {
     /// `f32` a sign is never wrong, as rounding is monotonic, but it may be lost; [`Shear::exact`] settles
     /// lanes where one is 0.
     #[inline(always)]
-    fn hit<L: Lanes>(&self, lanes: L, block: &Block, t_min: f32, t_max: f32, hits: &mut BlockHits) -> bool {
+    fn hit<L: Lanes, P: Placement>(
+        &self,
+        lanes: L,
+        place: &P,
+        block: &Block,
+        t_min: f32,
+        t_max: f32,
+        hits: &mut BlockHits,
+    ) -> bool {
         // No closures, no `map`: what is not `inline(always)` is compiled without the path's instructions.
         let [x_axis, y_axis, z_axis] = self.axes;
-        let [a, b, c] = &block.vertices[z_axis];
+        let [a, b, c] = place.coordinates(lanes, block, z_axis);
         let z = [
             translate(lanes, a, self.origin[2]),
             translate(lanes, b, self.origin[2]),
             translate(lanes, c, self.origin[2]),
         ];
-        let x = shear(lanes, &block.vertices[x_axis], self.origin[0], self.slope[0], z);
-        let y = shear(lanes, &block.vertices[y_axis], self.origin[1], self.slope[1], z);
+        let x = shear(lanes, place.coordinates(lanes, block, x_axis), self.origin[0], self.slope[0], z);
+        let y = shear(lanes, place.coordinates(lanes, block, y_axis), self.origin[1], self.slope[1], z);
         let areas = [
             cross(lanes, x[2], y[2], x[1], y[1]),
             cross(lanes, x[0], y[0], x[2], y[2]),
@@ -262,7 +328,7 @@ impl Shear {
         hits.u = lanes.store(weights[1]);
         hits.v = lanes.store(weights[2]);
         if touched != inside {
-            self.settle(block, touched & !inside, t_min, t_max, hits);
+            self.settle(place, block, touched & !inside, t_min, t_max, hits);
         }
         hits.lanes != 0
     }
@@ -270,11 +336,19 @@ impl Shear {
     /// Adds those of the `unsettled` lanes to the hits that are.
     #[cold]
     #[inline(never)]
-    fn settle(&self, block: &Block, mut unsettled: u32, t_min: f32, t_max: f32, hits: &mut BlockHits) {
+    fn settle<P: Placement>(
+        &self,
+        place: &P,
+        block: &Block,
+        mut unsettled: u32,
+        t_min: f32,
+        t_max: f32,
+        hits: &mut BlockHits,
+    ) {
         while unsettled != 0 {
             let lane = unsettled.trailing_zeros() as usize % WIDTH;
             unsettled &= unsettled - 1;
-            let Some(hit) = self.exact(block, lane) else { continue };
+            let Some(hit) = self.exact(place, block, lane) else { continue };
             if t_min <= hit.t && hit.t <= t_max {
                 hits.lanes |= 1 << lane;
                 hits.front |= u32::from(hit.front) << lane;
@@ -289,10 +363,11 @@ impl Shear {
     /// Where an area is exactly 0 the ray passes through an edge. Then it counts as moved by an
     /// infinitesimal (-e, e^2) in the sheared plane, which is the fill rule of rasterisers: of all triangles
     /// around the edge or vertex, as many are hit as if the ray had passed beside it.
-    fn exact(&self, block: &Block, lane: usize) -> Option<Hit> {
+    fn exact<P: Placement>(&self, place: &P, block: &Block, lane: usize) -> Option<Hit> {
         let [a, b, c] = [0, 1, 2].map(|vertex: usize| {
-            let [x, y, z] = [0, 1, 2]
-                .map(|axis: usize| block.vertices[self.axes[axis]][vertex][lane] - self.origin[axis]);
+            let [x, y, z] = [0, 1, 2].map(|axis: usize| {
+                place.coordinate(block, lane, vertex, self.axes[axis]) - self.origin[axis]
+            });
             [x - z * self.slope[0], y - z * self.slope[1], z].map(f64::from)
         });
         let area = |p: [f64; 3], q: [f64; 3]| p[0] * q[1] - p[1] * q[0];
@@ -320,18 +395,18 @@ impl Shear {
 }
 
 #[inline(always)]
-fn translate<L: Lanes>(lanes: L, row: &[f32; WIDTH], origin: f32) -> L::F {
-    lanes.sub(lanes.load(row), lanes.splat(origin))
+fn translate<L: Lanes>(lanes: L, row: L::F, origin: f32) -> L::F {
+    lanes.sub(row, lanes.splat(origin))
 }
 
 /// One coordinate of three vertices, seen along the ray.
 #[inline(always)]
-fn shear<L: Lanes>(lanes: L, rows: &[[f32; WIDTH]; 3], origin: f32, slope: f32, z: [L::F; 3]) -> [L::F; 3] {
+fn shear<L: Lanes>(lanes: L, rows: [L::F; 3], origin: f32, slope: f32, z: [L::F; 3]) -> [L::F; 3] {
     let slope = lanes.splat(slope);
     [
-        lanes.sub(translate(lanes, &rows[0], origin), lanes.mul(z[0], slope)),
-        lanes.sub(translate(lanes, &rows[1], origin), lanes.mul(z[1], slope)),
-        lanes.sub(translate(lanes, &rows[2], origin), lanes.mul(z[2], slope)),
+        lanes.sub(translate(lanes, rows[0], origin), lanes.mul(z[0], slope)),
+        lanes.sub(translate(lanes, rows[1], origin), lanes.mul(z[1], slope)),
+        lanes.sub(translate(lanes, rows[2], origin), lanes.mul(z[2], slope)),
     ]
 }
 

@@ -2,6 +2,7 @@
 
 use glam::Vec3A;
 
+use crate::build::Part;
 use crate::node::{Block, Child, Node};
 
 /// What a traversal reads.
@@ -13,4 +14,12 @@ pub(crate) struct Tree<'a> {
     pub(crate) root: Option<Child>,
     pub(crate) lower: Vec3A,
     pub(crate) upper: Vec3A,
+}
+
+impl<'a> Tree<'a> {
+    #[inline(always)]
+    pub(crate) fn new(nodes: &'a [Node], blocks: &'a [Block], whole: Option<Part>) -> Self {
+        let (lower, upper) = whole.map_or((Vec3A::ZERO, Vec3A::ZERO), |part| part.bounds.corners());
+        Self { nodes, blocks, root: whole.map(|part| part.root), lower, upper }
+    }
 }

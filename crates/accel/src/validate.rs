@@ -27,10 +27,19 @@ pub struct Stats {
 }
 
 /// The measures of a sound tree, or its first fault: what [`crate::Bvh::validate`] promises.
-pub(crate) fn validate(tree: Tree<'_>, triangles: &[[Vec3; 3]]) -> Result<Stats, AccelError> {
+///
+/// Triangles from `static_count` on are numbered `shift` further on.
+pub(crate) fn validate(
+    tree: Tree<'_>,
+    triangles: &[[Vec3; 3]],
+    static_count: usize,
+    shift: u32,
+) -> Result<Stats, AccelError> {
     let mut walk = Walk {
         tree,
         triangles,
+        static_count,
+        shift,
         node_seen: vec![false; tree.nodes.len()],
         block_seen: vec![false; tree.blocks.len()],
         leaves_of: vec![0; triangles.len()],
@@ -50,6 +59,8 @@ pub(crate) fn validate(tree: Tree<'_>, triangles: &[[Vec3; 3]]) -> Result<Stats,
 struct Walk<'a> {
     tree: Tree<'a>,
     triangles: &'a [[Vec3; 3]],
+    static_count: usize,
+    shift: u32,
     node_seen: Vec<bool>,
     block_seen: Vec<bool>,
     leaves_of: Vec<u32>,
@@ -67,6 +78,14 @@ struct Visit {
 }
 
 impl Walk<'_> {
+    /// Where the triangle of a number is; none that belongs to an instance.
+    fn index(&self, number: u32) -> Option<usize> {
+        if (number as usize) < self.static_count {
+            return Some(number as usize);
+        }
+        number.checked_sub(self.shift).map(|index| index as usize).filter(|&index| index >= self.static_count)
+    }
+
     fn root(&mut self, root: Child) -> Result<(), AccelError> {
         let (lower, upper) = (Vec3::from(self.tree.lower), Vec3::from(self.tree.upper));
         let mut waiting = vec![Visit { child: root, lower, upper, parent: u32::MAX, lane: 0, depth: 0 }];
@@ -127,10 +146,11 @@ impl Walk<'_> {
         for lane in (0..WIDTH).filter(|&lane| block.triangles[lane] != u32::MAX) {
             let triangle = block.triangles[lane];
             let vertices = [0, 1, 2].map(|vertex| block.vertex(lane, vertex));
-            if self.triangles.get(triangle as usize) != Some(&vertices) {
+            let index = self.index(triangle);
+            if index.and_then(|index| self.triangles.get(index)) != Some(&vertices) {
                 return Err(AccelError::StaleTriangle { leaf: visit.child.index() as u32, triangle });
             }
-            self.leaves_of[triangle as usize] += 1;
+            self.leaves_of[index.expect("it has a triangle")] += 1;
             self.stats.triangle_count += 1;
             let [a, b, c] = vertices;
             if !visit.contains(a.min(b).min(c), a.max(b).max(c)) {

@@ -15,6 +15,7 @@ mod x86;
 
 use std::fmt;
 
+use crate::instance::TopLevel;
 use crate::ray::{Hit, Ray};
 use crate::traverse;
 use crate::tree::Tree;
@@ -91,6 +92,26 @@ impl SupportedPath {
             #[cfg(target_arch = "x86_64")]
             SimdPath::Avx2 => unsafe { x86::traverse_avx2(tree, ray, visit) },
             _ => traverse::traverse(portable::Portable, tree, ray, visit),
+        }
+    }
+
+    /// The same through a tree and the instances beside it. Here `visit` is called: what an instance costs
+    /// more than a triangle in the world outweighs that, and nothing is compiled twice.
+    pub(crate) fn traverse_two_levels(
+        self,
+        tree: Tree<'_>,
+        top: &TopLevel,
+        ray: &Ray,
+        visit: &mut dyn FnMut(Hit) -> f32,
+    ) {
+        match self.0 {
+            // SAFETY: `new` and `detect` make a `SupportedPath` only after `is_supported`.
+            #[cfg(target_arch = "x86_64")]
+            SimdPath::Avx512 => unsafe { x86::traverse_two_levels_avx512(tree, top, ray, visit) },
+            // SAFETY: as above.
+            #[cfg(target_arch = "x86_64")]
+            SimdPath::Avx2 => unsafe { x86::traverse_two_levels_avx2(tree, top, ray, visit) },
+            _ => traverse::traverse_two_levels(portable::Portable, tree, top, ray, visit),
         }
     }
 }

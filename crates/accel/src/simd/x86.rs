@@ -14,6 +14,7 @@ use std::arch::x86_64::{
 
 use super::lanes::Lanes;
 use super::stack::Stack;
+use crate::instance::TopLevel;
 use crate::node::{Child, WIDTH};
 use crate::ray::{Hit, Ray};
 use crate::traverse;
@@ -47,11 +48,33 @@ pub(super) fn traverse_avx2(tree: Tree<'_>, ray: &Ray, visit: impl FnMut(Hit) ->
     traverse::traverse(Avx2(()), tree, ray, visit);
 }
 
-/// Made only inside `traverse_avx512`, which needs the features.
+/// [`traverse::traverse_two_levels`] with AVX-512 instructions.
+#[target_feature(enable = "avx512f,avx512vl,avx512bw,avx512dq,avx2,bmi1,bmi2,lzcnt,popcnt")]
+pub(super) fn traverse_two_levels_avx512(
+    tree: Tree<'_>,
+    top: &TopLevel,
+    ray: &Ray,
+    visit: &mut dyn FnMut(Hit) -> f32,
+) {
+    traverse::traverse_two_levels(Avx512(()), tree, top, ray, visit);
+}
+
+/// [`traverse::traverse_two_levels`] with AVX2 instructions.
+#[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
+pub(super) fn traverse_two_levels_avx2(
+    tree: Tree<'_>,
+    top: &TopLevel,
+    ray: &Ray,
+    visit: &mut dyn FnMut(Hit) -> f32,
+) {
+    traverse::traverse_two_levels(Avx2(()), tree, top, ray, visit);
+}
+
+/// Made only inside the functions for AVX-512, which need the features.
 #[derive(Clone, Copy)]
 struct Avx512(());
 
-/// Made only inside `traverse_avx2`, which needs the features.
+/// Made only inside the functions for AVX2, which need the features.
 #[derive(Clone, Copy)]
 struct Avx2(());
 
