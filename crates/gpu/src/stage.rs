@@ -2,8 +2,8 @@
 //!
 //! The twin of the CPU's stage: the same animator moves the scene, and what has moved is sent. What never
 //! moves comes first in every list of a frame, is sent once and has its own part of the acceleration
-//! structure; all triangles are in world space, as the CPU has them, so that hits agree to the bit and a
-//! hundred thousand particles are no hundred thousand instances.
+//! structure; all triangles are in world space, those of instances copied, so that hits agree to the bit with
+//! the CPU's and a hundred thousand particles are no hundred thousand instances.
 //!
 //! Bind groups hold buffers, and a buffer that grows is another one: [`GpuStage::version`] tells pipelines
 //! when to bind anew. It counts over all stages of the process, so that a pipeline that turns to another
@@ -24,7 +24,7 @@ use sheer_render::{
     Antialiasing, LIFT, Moment, RenderError, Settings, Stage,
     cpu::{depth_range, display_share, uniform_display_share},
 };
-use sheer_scene::{Animator, CameraChoice, CameraPose, Frame, Scene};
+use sheer_scene::{Animator, CameraChoice, CameraPose, Frame, Scene, Sharing};
 
 use crate::{
     accel::Accel,
@@ -137,7 +137,7 @@ impl GpuStage {
         let pool = pool.build().map_err(RenderError::from)?;
         let start = Instant::now();
         let (animator, extent) = pool.install(|| {
-            let animator = Animator::new(scene, camera);
+            let animator = Animator::with_sharing(scene, camera, Sharing::FLATTENED);
             let extent = Extent::new(animator.frame());
             (animator, extent)
         });

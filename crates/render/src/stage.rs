@@ -3,9 +3,9 @@
 use std::{sync::Arc, time::Instant};
 
 use glam::{UVec2, Vec2};
-use rayon::{ThreadPool, ThreadPoolBuilder};
-use sheer_accel::{Bvh, Ray};
-use sheer_scene::{Animator, CameraChoice, CameraRay, Frame, Scene};
+use rayon::{ThreadPool, ThreadPoolBuilder, prelude::*};
+use sheer_accel::{Bvh, Instance, MeshTree, Ray};
+use sheer_scene::{Animator, CameraChoice, CameraRay, Frame, MeshInstance, Scene, Sharing};
 
 use crate::error::RenderError;
 
@@ -24,6 +24,8 @@ pub struct Moment {
 pub struct Stage {
     animator: Animator,
     bvh: Bvh,
+    /// The scene's meshes whose triangles instances share, ascending: those of the acceleration structure.
+    shared_meshes: Vec<u32>,
     pool: ThreadPool,
     build_ms: f64,
     /// Ray origins are lifted off surfaces by this much, so that rounding does not shadow a surface by
@@ -45,21 +47,36 @@ impl Stage {
         camera: &CameraChoice,
         threads: Option<usize>,
     ) -> Result<Self, RenderError> {
+        Self::with_sharing(scene, camera, threads, Sharing::default())
+    }
+
+    /// The same with another choice of the meshes that are stored once.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn with_sharing(
+        scene: impl Into<Arc<Scene>>,
+        camera: &CameraChoice,
+        threads: Option<usize>,
+        sharing: Sharing,
+    ) -> Result<Self, RenderError> {
         let scene = scene.into();
         let camera = scene.camera(camera)?;
         let pool = ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).build()?;
         let lift = LIFT * scene.bounding_sphere().1;
         let start = Instant::now();
-        let (animator, bvh) = pool.install(|| {
-            let animator = Animator::new(scene, camera);
+        let (animator, bvh, shared_meshes) = pool.install(|| {
+            let animator = Animator::with_sharing(scene, camera, sharing);
             let frame = animator.frame();
-            let mut bvh = Bvh::build(&frame.triangles()[..frame.static_count()]);
+            let shared_meshes = shared_meshes(frame);
+            let mut bvh = build_static(frame, &shared_meshes);
+            bvh.place_instances(0, &placed(frame, &shared_meshes));
             if frame.static_count() < frame.triangles().len() {
                 bvh.rebuild_after(frame.static_count(), frame.triangles());
             }
-            (animator, bvh)
+            (animator, bvh, shared_meshes)
         });
-        Ok(Self { animator, bvh, pool, build_ms: start.elapsed().as_secs_f64() * 1e3, lift })
+        Ok(Self { animator, bvh, shared_meshes, pool, build_ms: start.elapsed().as_secs_f64() * 1e3, lift })
     }
 
     /// Moves everything to a moment and rebuilds the acceleration structure over what moves.
@@ -72,6 +89,10 @@ impl Stage {
             // Also where all that moves has gone, by being hidden or by dying.
             if static_count < frame.triangles().len().max(count_before) {
                 self.bvh.rebuild_after(static_count, frame.triangles());
+            }
+            let still_count = frame.static_counts().instances;
+            if still_count < frame.instances().len() {
+                self.bvh.place_instances(still_count, &placed(frame, &self.shared_meshes));
             }
         });
         self.build_ms = start.elapsed().as_secs_f64() * 1e3;
@@ -146,6 +167,39 @@ impl Stage {
     pub(crate) fn lift(&self) -> f32 {
         self.lift
     }
+}
+
+/// The scene's meshes whose triangles instances of a frame share, ascending.
+fn shared_meshes(frame: &Frame) -> Vec<u32> {
+    let mut meshes: Vec<u32> = frame.instances().iter().map(MeshInstance::mesh).collect();
+    meshes.sort_unstable();
+    meshes.dedup();
+    meshes
+}
+
+/// The acceleration structure over what never moves, with a tree for each of the meshes.
+fn build_static(frame: &Frame, shared_meshes: &[u32]) -> Bvh {
+    let triangles = &frame.triangles()[..frame.static_count()];
+    if shared_meshes.is_empty() {
+        return Bvh::build(triangles);
+    }
+    let tree = |&mesh: &u32| {
+        let mesh = &frame.scene().parts().meshes[mesh as usize];
+        let corners = |corners: &[u32; 3]| corners.map(|corner| mesh.positions[corner as usize]);
+        MeshTree::build(&mesh.indices.iter().map(corners).collect::<Vec<_>>())
+    };
+    let trees = shared_meshes.par_iter().map(tree).collect();
+    Bvh::build_with_meshes(triangles, trees, frame.instanced_triangles().len() as u32)
+}
+
+/// The instances of a frame, of which each finds its mesh among those that are shared.
+fn placed(frame: &Frame, shared_meshes: &[u32]) -> Vec<Instance> {
+    let placed = |instance: &MeshInstance| Instance {
+        mesh: shared_meshes.partition_point(|&mesh| mesh < instance.mesh()),
+        world_from_object: *instance.world_from_object(),
+        first_triangle: instance.first_triangle(),
+    };
+    frame.instances().iter().map(placed).collect()
 }
 
 #[cfg(test)]

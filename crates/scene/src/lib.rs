@@ -21,9 +21,9 @@ pub use crate::{
     environment::Environment,
     error::SceneError,
     frame::{
-        Animator, Beam, FaceSide, Frame, FrameLight, HEAD_ON, LEAST_GRAZING, Look, MIRRORED,
-        MorphedAttributes, NO_TEXTURE, OPAQUE, Object, SINGLE_SIDED, SLOT, StaticCounts, Surface, TINTED,
-        TriangleOpacity,
+        Animator, Beam, FaceSide, Frame, FrameLight, HEAD_ON, LEAST_GRAZING, Look, MIRRORED, MeshInstance,
+        MorphedAttributes, NO_TEXTURE, OPAQUE, Object, SINGLE_SIDED, SLOT, Sharing, StaticCounts, Surface,
+        TINTED, TriangleOpacity,
     },
     keys::Interpolate,
     load::{LoadOptions, LoadWarning, Loaded, open, open_with},

@@ -15,7 +15,7 @@ impl Tracer<'_> {
         let [a, b, c] = frame.corners_in_object(hit.triangle);
         let in_object = |u: f32, v: f32| a + u * (b - a) + v * (c - a);
         let position = in_object(hit.u, hit.v);
-        let corners = frame.triangles()[hit.triangle as usize];
+        let corners = frame.corners(hit.triangle);
         let sample = self.sample(at);
         let footprint = [Vec2::X, Vec2::Y].map(|step| {
             let Some([u, v]) = plane_hit(corners, &self.camera_ray(sample + step)) else {

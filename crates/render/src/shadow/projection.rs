@@ -4,7 +4,6 @@
 use std::f32::consts::FRAC_PI_3;
 
 use glam::{Mat3, Vec2, Vec3};
-use rayon::prelude::*;
 use sheer_accel::Ray;
 use sheer_scene::{Frame, FrameLight, model::LightKind};
 
@@ -272,15 +271,7 @@ impl Face {
     /// Looks along `axes` at everything the frame holds.
     fn parallel(frame: &Frame, axes: Mat3, side: u32) -> Self {
         let face_from_world = axes.transpose();
-        let bounds = |[low, high]: [Vec3; 2], triangle: &[Vec3; 3]| {
-            let corners = triangle.map(|corner| face_from_world * corner);
-            [corners.into_iter().fold(low, Vec3::min), corners.into_iter().fold(high, Vec3::max)]
-        };
-        let nothing = [Vec3::INFINITY, Vec3::NEG_INFINITY];
-        let [low, high] = frame.triangles().par_iter().fold(|| nothing, bounds).reduce(
-            || nothing,
-            |[low, high], [other_low, other_high]| [low.min(other_low), high.max(other_high)],
-        );
+        let [low, high] = frame.bounds_in(face_from_world);
         let (low, high) = if low.x <= high.x { (low, high) } else { (Vec3::ZERO, Vec3::ONE) };
         // A map of nothing has texels, too. Two texels more than needed, for the map is moved onto the grid
         // of its texels and its border shall be empty.

@@ -2,21 +2,24 @@
 
 use std::sync::Arc;
 
-use glam::{Mat3, Vec2, Vec3};
+use glam::{Affine3A, Vec2, Vec3};
 use rayon::prelude::*;
 
 use super::{
     Frame, FrameLight, Object,
-    attribute::{QUAD_UVS, VertexLists, gather},
-    deform::{deform, morph_attributes, normal_matrix},
+    attribute::{QUAD_UVS, VertexLists},
+    deform::{deform, morph_attributes},
     footprint::texel_density,
+    instances::{
+        Instances, MeshInstance, Sharing, material_flags, mesh_opacity, mirror_flag, rigid_look, tint_flag,
+    },
     pose::{NodePose, camera_pose, instance_moves, moving_nodes},
     property::{Changing, Properties},
-    storage::{Look, MIRRORED, OPAQUE, SINGLE_SIDED, StaticCounts, TINTED, TriangleOpacity},
+    storage::{Look, OPAQUE, StaticCounts, TriangleOpacity},
 };
 use crate::{
     camera::{Camera, CameraPose},
-    model::{AlphaMode, LightKind, Material, SceneParts, TextureRef},
+    model::{LightKind, SceneParts, TextureRef},
     particle::ParticleSystem,
     scene::Scene,
 };
@@ -25,7 +28,7 @@ use crate::{
 #[derive(Clone, Debug)]
 pub struct Animator {
     camera: Camera,
-    /// Instances that move or change their opacity, in the order of their triangles.
+    /// Instances that move or change their opacity and whose triangles are stored, in the order of these.
     moving: Vec<u32>,
     first_particle_id: u32,
     frame: Frame,
@@ -35,18 +38,41 @@ impl Animator {
     /// Prepares a scene seen through a camera of it (see [`Scene::camera`]), at time zero.
     #[must_use]
     pub fn new(scene: Arc<Scene>, camera: Camera) -> Self {
+        Self::with_sharing(scene, camera, Sharing::default())
+    }
+
+    /// The same with another choice of what is stored once.
+    #[must_use]
+    pub fn with_sharing(scene: Arc<Scene>, camera: Camera, sharing: Sharing) -> Self {
         let parts = scene.parts();
-        let node_moves = moving_nodes(parts);
-        let pose = camera_pose(scene.parts(), &camera, 0.0);
-        let changing = Changing::of(parts);
-        let (moving, still): (Vec<u32>, Vec<u32>) = (0..parts.instances.len() as u32)
-            .partition(|&index| instance_moves(parts, &node_moves, index) || changing.has(parts, index));
-        let first_particle_id = parts.instances.iter().map(|instance| instance.id + 1).max().unwrap_or(0);
+
+        // Four lots: what shares its triangles lies in the middle, stored or not.
+        let (node_moves, changing) = (&moving_nodes(parts), &Changing::of(parts));
+        let is_shared = &sharing.choose(parts, |index| changing.has(parts, index));
+        let lot = |moves: bool, shared: bool| {
+            (0..parts.instances.len() as u32).filter(move |&index| {
+                let is_moving = instance_moves(parts, node_moves, index) || changing.has(parts, index);
+                is_moving == moves && is_shared[index as usize] == shared
+            })
+        };
+        let (mut still, mut moving): (Vec<u32>, Vec<u32>) = (lot(false, false).collect(), Vec::new());
+        let (mut shared, mut still_shared) = (Vec::new(), 0);
+        if sharing.flattened {
+            still.extend(lot(false, true));
+            moving.extend(lot(true, true));
+        } else {
+            shared.extend(lot(false, true));
+            still_shared = shared.len();
+            shared.extend(lot(true, true));
+        }
+        moving.extend(lot(true, false));
+
+        let camera_pose = camera_pose(parts, &camera, 0.0);
         let frame = Frame {
             scene: Arc::clone(&scene),
             time_secs: 0.0,
-            camera: pose,
-            previous_camera: pose,
+            camera: camera_pose,
+            previous_camera: camera_pose,
             static_counts: StaticCounts::default(),
             triangles: Vec::new(),
             previous_moving: Vec::new(),
@@ -57,20 +83,27 @@ impl Animator {
             deformed_normals: Vec::new(),
             morphed_attributes: Vec::new(),
             properties: Properties::at(parts, 0.0),
+            instances: Instances::default(),
             lights: Vec::new(),
             is_still: true,
         };
+        let first_particle_id = parts.instances.iter().map(|instance| instance.id + 1).max().unwrap_or(0);
         let mut animator = Self { camera, moving, first_particle_id, frame };
-        let pose = NodePose::at(scene.parts(), 0.0);
+        let pose = NodePose::at(parts, 0.0);
         for index in still {
             animator.emit_instance(&pose, index);
         }
-        animator.frame.deformed_normals.clear();
-        animator.frame.static_counts = StaticCounts {
-            triangles: animator.frame.triangles.len(),
-            objects: animator.frame.objects.len(),
-            opacities: animator.frame.opacities.len(),
+        let frame = &mut animator.frame;
+        frame.deformed_normals.clear();
+        frame.static_counts = StaticCounts {
+            triangles: frame.triangles.len(),
+            objects: frame.objects.len(),
+            opacities: frame.opacities.len(),
+            instances: still_shared,
         };
+        let placed: Vec<(u32, Affine3A)> =
+            shared.into_iter().map(|index| (index, world_from_object(parts, &pose, index))).collect();
+        frame.instances = Instances::new(parts, &placed, frame.triangles.len() as u32);
         animator.advance(0.0, 0.0);
         animator
     }
@@ -96,7 +129,9 @@ impl Animator {
         // Meshes: first where they were, then where they are.
         self.truncate_to_static();
         let has_lights = !scene.parts().lights.is_empty();
-        let previous_pose = ((!self.moving.is_empty() || has_lights) && previous_secs != time_secs)
+        let still_instances = self.frame.static_counts.instances;
+        let moves = !self.moving.is_empty() || still_instances < self.frame.instances().len();
+        let previous_pose = ((moves || has_lights) && previous_secs != time_secs)
             .then(|| NodePose::at(scene.parts(), previous_secs));
         if let Some(pose) = &previous_pose {
             self.emit_moving(pose);
@@ -113,6 +148,12 @@ impl Animator {
             previous.extend_from_slice(&self.frame.triangles[self.frame.static_count()..]);
         }
         self.frame.previous_moving = previous;
+        for instance in &mut self.frame.instances.list_mut()[still_instances..] {
+            let now = world_from_object(scene.parts(), &pose, instance.source);
+            let before = previous_pose.as_ref();
+            let before = before.map_or(now, |pose| world_from_object(scene.parts(), pose, instance.source));
+            instance.move_to(before, now);
+        }
 
         let mut next_id = self.first_particle_id;
         for system in &scene.parts().particles {
@@ -128,6 +169,7 @@ impl Animator {
         frame.is_still = frame.camera == frame.previous_camera
             && !lives
             && frame.previous_moving == frame.triangles[frame.static_counts.triangles..]
+            && frame.instances()[still_instances..].iter().all(MeshInstance::is_still)
             && (previous_secs == time_secs || previous_attributes == frame.morphed_attributes)
             && previous_properties.as_ref().is_none_or(|previous| *previous == frame.properties)
             && previous_pose.is_none_or(|pose| {
@@ -138,7 +180,7 @@ impl Animator {
 
     fn truncate_to_static(&mut self) {
         let frame = &mut self.frame;
-        let StaticCounts { triangles, objects, opacities } = frame.static_counts;
+        let StaticCounts { triangles, objects, opacities, instances: _ } = frame.static_counts;
         frame.triangles.truncate(triangles);
         frame.triangle_object.truncate(triangles);
         frame.opacity_slot.truncate(triangles);
@@ -164,7 +206,7 @@ impl Animator {
         }
         let mesh = &parts.meshes[instance.mesh as usize];
         let material = &self.frame.materials()[mesh.material as usize].clone();
-        let world_from_object = pose.world_from_node[instance.node as usize] * instance.node_from_object;
+        let world_from_object = world_from_object(parts, pose, index);
         let frame = &mut self.frame;
 
         // Triangles in world, and where their other attributes come from.
@@ -179,48 +221,40 @@ impl Animator {
             let attributes = morphed.as_ref().map(|_| frame.morphed_attributes.len() as u32);
             Look::Deformed { mesh: instance.mesh, first_normal, attributes }
         } else {
-            let vector_from_object = Mat3::from(world_from_object.matrix3);
             let corner = |corner: u32| world_from_object.transform_point3(mesh.positions[corner as usize]);
             frame.triangles.par_extend(mesh.indices.par_iter().map(|corners| corners.map(corner)));
-            let normal_from_object = normal_matrix(vector_from_object);
-            Look::Rigid { mesh: instance.mesh, normal_from_object, vector_from_object }
+            rigid_look(instance.mesh, &world_from_object)
         };
         // A skinned mesh does not follow its own node (glTF 2.0, 3.7.3.3).
-        let mirrored = instance.skin.is_none() && world_from_object.matrix3.determinant() < 0.0;
+        let mirrored = if instance.skin.is_none() { mirror_flag(&world_from_object) } else { 0 };
 
         // The object, and what the triangles share: flags, and that they are its triangles.
         let object = Object {
             id: instance.id,
             geometry: instance.geometry,
             material: mesh.material,
-            first_triangle: frame.triangle_object.len() as u32,
+            first_triangle: frame.next_number(),
             look,
         };
-        let mut flags = if mirrored { MIRRORED } else { 0 };
-        flags |= if material.double_sided { 0 } else { SINGLE_SIDED };
-        flags |= tint_flag(material);
+        let flags = mirrored | material_flags(material);
         let count = mesh.indices.len();
         let first_triangle = frame.triangle_object.len();
         frame.triangle_object.extend(std::iter::repeat_n(frame.objects.len() as u32, count));
         frame.objects.push(object);
         // What is opaque all over needs no table; of all else the any-hit test reads an entry a triangle.
-        if material.alpha_mode == AlphaMode::Opaque && material.opacity >= 1.0 {
-            frame.opacity_slot.extend(std::iter::repeat_n(flags | OPAQUE, count));
+        if flags & OPAQUE != 0 {
+            frame.opacity_slot.extend(std::iter::repeat_n(flags, count));
             frame.morphed_attributes.extend(morphed);
             return;
         }
         let lists = VertexLists::new(mesh, morphed.as_ref());
-        for (index, corners) in mesh.indices.iter().enumerate() {
-            let vertices = corners.map(|corner| corner as usize);
-            let alpha =
-                gather(lists.colours, vertices).map_or([1.0; 3], |colours| colours.map(|colour| colour.w));
-            let uvs = |used: &TextureRef| lists.corner_uvs(vertices, used.uv_set);
-            let corners_in_world = &frame.triangles[first_triangle + index];
+        for (primitive, corners) in mesh.indices.iter().enumerate() {
+            let corners_in_world = &frame.triangles[first_triangle + primitive];
             let density = |uvs: &[Vec2; 3], texture: u32| {
                 texel_density(corners_in_world, uvs, scene.samplers()[texture as usize].size())
             };
             frame.opacity_slot.push(flags | frame.opacities.len() as u32);
-            frame.opacities.push(TriangleOpacity::new(material, alpha, uvs, density));
+            frame.opacities.push(mesh_opacity(material, lists, *corners, density));
         }
         frame.morphed_attributes.extend(morphed);
     }
@@ -257,7 +291,7 @@ impl Animator {
                 id: first_id + index as u32,
                 geometry: 0,
                 material: system.material,
-                first_triangle: frame.triangles.len() as u32,
+                first_triangle: frame.next_number(),
                 look: Look::Quad { right, up, tile_origin, tile_size, tint: particle.tint },
             };
             for (half, local) in QUAD_UVS.iter().enumerate() {
@@ -299,8 +333,17 @@ fn lights_at<'a>(
     of_nodes.chain(of_surroundings)
 }
 
-fn tint_flag(material: &Material) -> u32 {
-    if material.transmission > 0.0 { TINTED } else { 0 }
+/// Where an instance is that its node moves.
+fn world_from_object(parts: &SceneParts, pose: &NodePose, index: u32) -> Affine3A {
+    let instance = &parts.instances[index as usize];
+    pose.world_from_node[instance.node as usize] * instance.node_from_object
+}
+
+impl Frame {
+    /// The number of the triangle that is stored next: behind those of instances, once these are there.
+    fn next_number(&self) -> u32 {
+        self.triangle_object.len() as u32 + self.instances.numbers().len() as u32
+    }
 }
 
 /// Unit axes of a quad that faces the camera, turned in its plane.

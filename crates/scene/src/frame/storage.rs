@@ -97,6 +97,8 @@ pub struct StaticCounts {
     pub objects: usize,
     /// Length of what never changes in [`Frame::opacities`](super::Frame::opacities).
     pub opacities: usize,
+    /// Length of what never moves in [`Frame::instances`](super::Frame::instances).
+    pub instances: usize,
 }
 
 impl TriangleOpacity {

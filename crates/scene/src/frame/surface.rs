@@ -56,7 +56,7 @@ impl Frame {
     #[must_use]
     pub fn surface(&self, triangle: u32, u: f32, v: f32, counter_clockwise: bool, beam: Beam) -> Surface {
         let weights = [1.0 - u - v, u, v];
-        let corners = self.triangles[triangle as usize];
+        let corners = self.corners(triangle);
         let [position, previous_position] = self.positions(triangle, u, v);
         let object = self.object(triangle);
         let material = &self.materials()[object.material as usize];
@@ -96,7 +96,7 @@ impl Frame {
     /// texture lowers it): all light that passes has the base colour.
     #[must_use]
     pub fn light_through(&self, triangle: u32, u: f32, v: f32, alpha: f32, width: f32) -> Vec3 {
-        if self.opacity_slot[triangle as usize] & TINTED == 0 {
+        if self.flags(triangle) & TINTED == 0 {
             return Vec3::splat(1.0 - alpha);
         }
         let transmission = self.materials()[self.object(triangle).material as usize].transmission;
@@ -112,7 +112,7 @@ impl Frame {
     /// The base colour of a surface alone, in a beam that meets it head on.
     fn base_colour(&self, triangle: u32, u: f32, v: f32, width: f32) -> Vec3 {
         let weights = [1.0 - u - v, u, v];
-        let corners = self.triangles[triangle as usize];
+        let corners = self.corners(triangle);
         let object = self.object(triangle);
         let material = &self.materials()[object.material as usize];
         let attributes = self.attributes(object, triangle, weights, corners, Vec3::Y);

@@ -664,6 +664,37 @@ fn gpu_instances_stand_where_their_attributes_say() {
 }
 
 #[test]
+fn a_mesh_that_is_drawn_often_is_stored_once() {
+    let (count, triangle_count) = (400_u16, 4032);
+    for by_extension in [true, false] {
+        let mut builder = Builder::triangle();
+        let indices = [0_u16, 1, 2].map(u16::to_le_bytes).as_flattened().repeat(triangle_count);
+        let indices = builder.accessor("SCALAR", 5123, &indices, 3 * triangle_count);
+        builder.primitive()["indices"] = json!(indices);
+        let places: Vec<[f32; 3]> = (0..count).map(|place| [f32::from(place), 0.0, 0.0]).collect();
+        if by_extension {
+            let places = builder.floats("VEC3", places.as_flattened());
+            builder.json["nodes"][0]["extensions"] =
+                json!({"EXT_mesh_gpu_instancing": {"attributes": {"TRANSLATION": places}}});
+        } else {
+            let nodes = places.iter().map(|place| json!({"mesh": 0, "translation": place}));
+            builder.json["nodes"] = nodes.collect();
+            builder.json["scenes"][0]["nodes"] = (0..count).collect();
+        }
+        let scene = builder.load().unwrap().scene;
+        assert_eq!(scene.parts().meshes.len(), 1);
+        let camera = scene.camera(&CameraChoice::Default).unwrap();
+        let animator = Animator::new(Arc::new(scene), camera);
+        let frame = animator.frame();
+        assert_eq!((frame.triangles().len(), frame.instances().len()), (0, usize::from(count)));
+        assert_eq!(frame.triangle_count(), usize::from(count) * triangle_count);
+        let (last, first) = (frame.triangle_count() as u32 - 1, (usize::from(count) - 1) * triangle_count);
+        assert_eq!(frame.corners(last)[1], Vec3::new(f32::from(count), 0.0, 0.0));
+        assert_eq!(frame.object(last).first_triangle as usize, first);
+    }
+}
+
+#[test]
 fn vertex_colours_have_three_components_or_four() {
     let mut builder = Builder::triangle();
     let colours = builder.accessor("VEC4", 5123, &[0xFF, 0xFF, 0, 0, 0, 0, 0x33, 0x33].repeat(3), 3);

@@ -118,7 +118,7 @@ fn of_material<'p>(material: Index, path: &[&'p str]) -> Option<Pointed<'p>> {
                 ["emissiveTexture"] => TextureSlot::Emissive,
                 _ => return None,
             };
-            Some(Pointed::TextureTransform { material, slot, part: *part })
+            Some(Pointed::TextureTransform { material, slot, part })
         }
         _ => None,
     }
