@@ -10,5 +10,6 @@ pub mod parameter;
 pub mod spatio_temporal;
 #[cfg(test)]
 mod spectrum;
+pub mod text;
 pub mod threshold_map;
 mod void_and_cluster;

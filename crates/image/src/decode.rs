@@ -33,13 +33,54 @@ const FORMATS: &str = "PNG, JPEG or WebP";
 /// [`ImageError::TooLarge`] before anything large is allocated, [`ImageError::TooMuchMemory`], or
 /// [`ImageError::Decode`].
 pub fn decode_texture(bytes: &[u8], name: &str, limits: TextureLimits) -> Result<Image<[u8; 4]>, ImageError> {
-    let failed = |reason: String| ImageError::Decode { what: name.to_owned(), reason, formats: FORMATS };
-    let refused = |error| match error {
+    let decoder = open(bytes, name, limits)?;
+    let (width, height) = decoder.dimensions();
+    let colour_type = decoder.color_type();
+
+    // Decode straight into place, or into a buffer to convert from.
+    let mut image = Image::filled(width, height, [0_u8; 4])?;
+    let target = image.as_mut_slice();
+    let decoded = if colour_type == ColorType::Rgba8 {
+        decoder.read_image(bytemuck::cast_slice_mut(target))
+    } else {
+        let decoded_bytes = target.len() * usize::from(colour_type.bytes_per_pixel());
+        let mut samples = Vec::new();
+        samples.try_reserve_exact(decoded_bytes).map_err(|_| ImageError::Size { width, height })?;
+        samples.resize(decoded_bytes, 0_u8);
+        decoder.read_image(&mut samples).map(|()| convert_to_rgba8(&samples, colour_type, target))
+    };
+    decoded.map_err(|error| refused(error, name, limits))?;
+    Ok(image)
+}
+
+/// Width and height of what [`decode_texture`] would make of the bytes, from their header alone.
+///
+/// # Errors
+/// Those of [`decode_texture`] that the header is enough for.
+pub fn texture_size(bytes: &[u8], name: &str, limits: TextureLimits) -> Result<(u32, u32), ImageError> {
+    open(bytes, name, limits).map(|decoder| decoder.dimensions())
+}
+
+fn failed(reason: String, name: &str) -> ImageError {
+    ImageError::Decode { what: name.to_owned(), reason, formats: FORMATS }
+}
+
+fn refused(error: image::ImageError, name: &str, limits: TextureLimits) -> ImageError {
+    match error {
         image::ImageError::Limits(_) => {
             ImageError::TooMuchMemory { what: name.to_owned(), max_bytes: limits.max_bytes }
         }
-        other => failed(other.to_string()),
-    };
+        other => failed(other.to_string(), name),
+    }
+}
+
+/// Reads the header, and checks it.
+fn open<'b>(
+    bytes: &'b [u8],
+    name: &str,
+    limits: TextureLimits,
+) -> Result<impl ImageDecoder + use<'b>, ImageError> {
+    let failed = |reason: String| failed(reason, name);
 
     // The header tells the size.
     let mut reader = ImageReader::new(Cursor::new(bytes))
@@ -54,7 +95,7 @@ pub fn decode_texture(bytes: &[u8], name: &str, limits: TextureLimits) -> Result
     let mut decoder_limits = image::Limits::default();
     decoder_limits.max_alloc = Some(limits.max_bytes);
     reader.limits(decoder_limits);
-    let decoder = reader.into_decoder().map_err(refused)?;
+    let decoder = reader.into_decoder().map_err(|error| refused(error, name, limits))?;
     let (width, height) = decoder.dimensions();
     let colour_type = decoder.color_type();
 
@@ -71,20 +112,7 @@ pub fn decode_texture(bytes: &[u8], name: &str, limits: TextureLimits) -> Result
             max_bytes: limits.max_bytes,
         });
     }
-
-    // Decode straight into place, or into a buffer to convert from.
-    let mut image = Image::filled(width, height, [0_u8; 4])?;
-    let target = image.as_mut_slice();
-    let decoded = if colour_type == ColorType::Rgba8 {
-        decoder.read_image(bytemuck::cast_slice_mut(target))
-    } else {
-        let mut samples = Vec::new();
-        samples.try_reserve_exact(decoded_bytes as usize).map_err(|_| ImageError::Size { width, height })?;
-        samples.resize(decoded_bytes as usize, 0_u8);
-        decoder.read_image(&mut samples).map(|()| convert_to_rgba8(&samples, colour_type, target))
-    };
-    decoded.map_err(refused)?;
-    Ok(image)
+    Ok(decoder)
 }
 
 /// Spreads grey, adds opaque alpha and rounds 16 bits (native byte order) to 8.
@@ -192,6 +220,10 @@ mod tests {
             assert!(message.contains("leaf texture") && message.contains(&width.to_string()), "{message}");
         }
         assert!(matches!(error(2_000_000_000, 2_000_000_000), ImageError::TooMuchMemory { .. }));
+        // The header is enough for the size.
+        let size = |width, height| texture_size(&claiming_png(width, height), "t", TextureLimits::default());
+        assert_eq!(size(16_384, 1024).unwrap(), (16_384, 1024));
+        assert!(matches!(size(40_000, 1), Err(ImageError::TooLarge { .. })));
         // Within the limits it is the missing data that is noticed.
         assert!(matches!(error(16_384, 1024), ImageError::Decode { .. }));
     }

@@ -10,7 +10,7 @@ use exr::meta::header::LayerAttributes;
 use exr::prelude::{ReadChannels, ReadLayers, WritableImage};
 
 use crate::metadata::SOFTWARE;
-use crate::{Image, ImageError, Metadata, PixelLayers, Planes, TextureLimits, write_whole};
+use crate::{Image, ImageError, Metadata, PixelLayers, Planes, TextureLimits, read_whole, write_whole};
 
 /// A channel of [`PixelLayers`].
 struct LayerChannel {
@@ -161,14 +161,23 @@ pub fn write_exr(path: &Path, planes: &Planes, metadata: &Metadata) -> Result<()
 /// [`ImageError::Read`], [`ImageError::TooLarge`] above the default [`TextureLimits`], or
 /// [`ImageError::Decode`].
 pub fn read_exr(path: &Path) -> Result<Planes, ImageError> {
-    let bytes = std::fs::read(path).map_err(|source| ImageError::Read { path: path.to_owned(), source })?;
-    let what = path.display().to_string();
+    let bytes =
+        read_whole(path, u64::MAX).map_err(|source| ImageError::Read { path: path.to_owned(), source })?;
+    decode_exr(&bytes, &path.display().to_string())
+}
+
+/// Reads what [`encode_exr`] makes, as [`read_exr`] does. `name` says in messages what the bytes are, such as
+/// a file name.
+///
+/// # Errors
+/// [`ImageError::TooLarge`] or [`ImageError::Decode`], as [`read_exr`].
+pub fn decode_exr(bytes: &[u8], name: &str) -> Result<Planes, ImageError> {
     let failed = |reason: String| ImageError::Decode {
-        what: what.clone(),
+        what: name.to_owned(),
         reason,
         formats: "OpenEXR with R, G and B",
     };
-    check_claimed_size(&bytes, &what, TextureLimits::default())?;
+    check_claimed_size(bytes, name, TextureLimits::default())?;
 
     let layer = exr::image::read::read()
         .no_deep_data()
@@ -176,7 +185,7 @@ pub fn read_exr(path: &Path) -> Result<Planes, ImageError> {
         .all_channels()
         .first_valid_layer()
         .all_attributes()
-        .from_buffered(Cursor::new(&bytes))
+        .from_buffered(Cursor::new(bytes))
         .map_err(|error| failed(error.to_string()))?
         .layer_data;
     let (Ok(width), Ok(height)) = (u32::try_from(layer.size.0), u32::try_from(layer.size.1)) else {

@@ -15,14 +15,14 @@ mod raster;
 mod tone;
 mod whole_file;
 
-pub use decode::{TextureLimits, decode_texture};
+pub use decode::{TextureLimits, decode_texture, texture_size};
 pub use error::ImageError;
-pub use exr_file::{encode_exr, read_exr, write_exr};
+pub use exr_file::{decode_exr, encode_exr, read_exr, write_exr};
 pub use metadata::Metadata;
 pub use output::{FileFormat, check_writable, write_frame};
-pub use panorama::read_panorama;
+pub use panorama::{decode_panorama, read_panorama};
 pub use planes::{Band, Pixel, PixelLayers, Planes};
 pub use png_file::{encode_png, read_png, write_png};
 pub use raster::Image;
 pub use tone::{DisplayShare, Tone, ToneCurve, display, display_over_black, u8_from_unit, unit_from_u8};
-pub use whole_file::write_whole;
+pub use whole_file::{read_whole, write_whole};

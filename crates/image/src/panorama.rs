@@ -1,11 +1,11 @@
 //! Reading panoramas that strangers made: the light of surroundings, as Radiance HDR or OpenEXR.
 
-use std::{fs, io, io::Cursor, path::Path};
+use std::{io, io::Cursor, path::Path};
 
 use exr::prelude::{ReadChannels, ReadLayers};
 use image::{ImageDecoder as _, codecs::hdr::HdrDecoder};
 
-use crate::{Image, ImageError, TextureLimits, exr_file::check_claimed_size};
+use crate::{Image, ImageError, TextureLimits, exr_file::check_claimed_size, read_whole};
 
 /// The formats that [`read_panorama`] reads, for messages.
 const FORMATS: &str = "Radiance HDR or OpenEXR with R, G and B";
@@ -21,19 +21,26 @@ const BRIGHTEST: f32 = 1e6;
 /// [`ImageError::TooMuchMemory`] before anything large is allocated; [`ImageError::Decode`], also if the
 /// picture is not twice as wide as it is high.
 pub fn read_panorama(path: &Path, limits: TextureLimits) -> Result<Image<[f32; 3]>, ImageError> {
-    let unread = |source| ImageError::Read { path: path.to_owned(), source };
     let what = path.display().to_string();
-    let file = fs::metadata(path).map_err(unread)?;
-    if !file.is_file() {
-        return Err(unread(io::Error::other("it is no regular file")));
-    }
-    if file.len() > limits.max_bytes {
-        return Err(ImageError::TooMuchMemory { what, max_bytes: limits.max_bytes });
-    }
-    decode_panorama(&fs::read(path).map_err(unread)?, &what, limits)
+    let bytes = read_whole(path, limits.max_bytes).map_err(|source| match source.kind() {
+        io::ErrorKind::FileTooLarge => {
+            ImageError::TooMuchMemory { what: what.clone(), max_bytes: limits.max_bytes }
+        }
+        _ => ImageError::Read { path: path.to_owned(), source },
+    })?;
+    decode_panorama(&bytes, &what, limits)
 }
 
-fn decode_panorama(bytes: &[u8], what: &str, limits: TextureLimits) -> Result<Image<[f32; 3]>, ImageError> {
+/// Reads a panorama that is in memory already, as [`read_panorama`] does. `what` says in messages what the
+/// bytes are, such as a file name.
+///
+/// # Errors
+/// Those of [`read_panorama`] but [`ImageError::Read`].
+pub fn decode_panorama(
+    bytes: &[u8],
+    what: &str,
+    limits: TextureLimits,
+) -> Result<Image<[f32; 3]>, ImageError> {
     let failed = |reason: String| ImageError::Decode { what: what.to_owned(), reason, formats: FORMATS };
     let mut texels = if bytes.starts_with(b"#?") {
         hdr(bytes, what, limits)?
@@ -242,7 +249,7 @@ mod tests {
         assert!(message(folder.path()).contains("no regular file"));
         assert!(message(&folder.path().join("absent.hdr")).contains("absent.hdr"));
         let path = folder.path().join("sky.hdr");
-        fs::write(&path, hdr_bytes()).unwrap();
+        std::fs::write(&path, hdr_bytes()).unwrap();
         assert_eq!(read_panorama(&path, TextureLimits::default()).unwrap().size(), (8, 4));
         let small = TextureLimits { max_bytes: 16, ..TextureLimits::default() };
         assert!(matches!(read_panorama(&path, small), Err(ImageError::TooMuchMemory { .. })));

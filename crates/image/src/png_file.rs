@@ -4,7 +4,8 @@ use std::path::Path;
 
 use crate::metadata::SOFTWARE;
 use crate::{
-    DisplayShare, Image, ImageError, Metadata, TextureLimits, Tone, decode_texture, display, write_whole,
+    DisplayShare, Image, ImageError, Metadata, TextureLimits, Tone, decode_texture, display, read_whole,
+    write_whole,
 };
 
 /// Encodes sRGB pixels with straight alpha. The sRGB chunk says so; metadata goes to `tEXt` chunks, or `iTXt`
@@ -56,7 +57,8 @@ pub fn write_png(
 /// # Errors
 /// [`ImageError::Read`], or those of [`decode_texture`] with its default limits.
 pub fn read_png(path: &Path) -> Result<Image<[u8; 4]>, ImageError> {
-    let bytes = std::fs::read(path).map_err(|source| ImageError::Read { path: path.to_owned(), source })?;
+    let bytes =
+        read_whole(path, u64::MAX).map_err(|source| ImageError::Read { path: path.to_owned(), source })?;
     decode_texture(&bytes, &path.display().to_string(), TextureLimits::default())
 }
 

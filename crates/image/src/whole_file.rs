@@ -1,6 +1,8 @@
-//! Writing files so that an interrupted run leaves either the old file or the new one, never half of one.
+//! Writing files so that an interrupted run leaves either the old file or the new one, never half of one; and
+//! reading files of which nothing is known but their name.
 
-use std::io::Write;
+use std::fs::File;
+use std::io::{self, Read as _, Write as _};
 use std::path::Path;
 
 use crate::error::ImageError;
@@ -18,6 +20,37 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), ImageError> {
     file.write_all(bytes).map_err(failed)?;
     file.persist(path).map_err(|error| failed(error.error))?;
     Ok(())
+}
+
+/// Reads a whole file of at most `most_bytes`. What is no regular file is not even opened: a pipe waits for a
+/// writer who may never come, and a device may have no end.
+///
+/// # Errors
+/// What the system says; [`io::ErrorKind::InvalidInput`] for a pipe, a device or a folder,
+/// [`io::ErrorKind::FileTooLarge`] for more bytes, and [`io::ErrorKind::OutOfMemory`] where they find no
+/// room.
+pub fn read_whole(path: &Path, most_bytes: u64) -> io::Result<Vec<u8>> {
+    let metadata = std::fs::metadata(path)?;
+    if !metadata.is_file() {
+        let problem = "this is no regular file but a pipe, a device or a folder";
+        return Err(io::Error::new(io::ErrorKind::InvalidInput, problem));
+    }
+    let too_large = |length: u64| {
+        let problem = format!("it holds {length} bytes, and at most {most_bytes} are read");
+        io::Error::new(io::ErrorKind::FileTooLarge, problem)
+    };
+    if metadata.len() > most_bytes {
+        return Err(too_large(metadata.len()));
+    }
+    let mut bytes = Vec::new();
+    let length = usize::try_from(metadata.len()).map_err(|_| io::ErrorKind::OutOfMemory)?;
+    bytes.try_reserve_exact(length).map_err(|_| io::ErrorKind::OutOfMemory)?;
+    // What the system makes up as it is read states no length.
+    File::open(path)?.take(most_bytes.saturating_add(1)).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > most_bytes {
+        return Err(too_large(bytes.len() as u64));
+    }
+    Ok(bytes)
 }
 
 /// An empty file in the folder of `path` that vanishes unless it is persisted.
@@ -48,6 +81,27 @@ mod tests {
             .collect();
         names.sort();
         names
+    }
+
+    #[test]
+    fn a_file_is_read_up_to_a_length() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.txt");
+        write_whole(&path, b"12345").unwrap();
+        assert_eq!(read_whole(&path, 5).unwrap(), b"12345");
+        assert_eq!(read_whole(&path, 4).unwrap_err().kind(), io::ErrorKind::FileTooLarge);
+        assert_eq!(read_whole(folder.path(), 5).unwrap_err().kind(), io::ErrorKind::InvalidInput);
+        assert_eq!(read_whole(&folder.path().join("none"), 5).unwrap_err().kind(), io::ErrorKind::NotFound);
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn what_has_no_end_is_not_read() {
+        let endless = Path::new("/dev/zero");
+        assert_eq!(read_whole(endless, u64::MAX).unwrap_err().kind(), io::ErrorKind::InvalidInput);
+        // It says that it is empty.
+        let made_up = Path::new("/proc/self/smaps");
+        assert_eq!(read_whole(made_up, 100).unwrap_err().kind(), io::ErrorKind::FileTooLarge);
     }
 
     #[test]
