@@ -1,6 +1,10 @@
 //! The command line.
 
-use std::{fmt, fs, iter, path::PathBuf, str::FromStr};
+use std::{
+    fmt, iter,
+    path::{Path, PathBuf},
+    str::FromStr,
+};
 
 use clap::{Args, Parser, Subcommand, builder::RangedU64ValueParser, value_parser};
 use glam::Vec3;
@@ -8,9 +12,10 @@ use sheer_core::{
     colour::linear_from_srgb,
     coverage::Correction,
     parameter::{Choice as _, split_name},
+    text::MemorySize,
 };
 use sheer_gpu::{AdapterChoice, GpuPathChoice};
-use sheer_image::{ToneCurve, unit_from_u8};
+use sheer_image::{ToneCurve, read_whole, unit_from_u8};
 use sheer_lab::Reference;
 use sheer_render::{Antialiasing, Backend, Background, Method, Shadow, backend::Cpu};
 use sheer_scene::{
@@ -357,8 +362,12 @@ pub(crate) struct BackendArguments {
 #[derive(Args, Clone, Copy, Debug)]
 pub(crate) struct MachineArguments {
     /// Threads to use; all processors if not given. The pictures are the same.
-    #[arg(long, value_name = "N", value_parser = RangedU64ValueParser::<usize>::from(1..=1024))]
+    #[arg(long, value_name = "N", value_parser = RangedU64ValueParser::<usize>::from(1..=MOST_THREADS as u64))]
     pub(crate) threads: Option<usize>,
+    /// Memory that may be taken, as 800MB, 2GB or 1.5GiB: what would take more is refused. Three quarters of
+    /// what is free if not given.
+    #[arg(long, value_name = "SIZE")]
+    pub(crate) memory_limit: Option<MemorySize>,
     /// Say nothing but errors.
     #[arg(short, long)]
     pub(crate) quiet: bool,
@@ -405,6 +414,10 @@ const MOST_STRENGTH: f32 = 1e6;
 const MOST_EXPOSURE_EV: f32 = 64.0;
 /// Pixels a side; 16k is more than any display has.
 const LONGEST_SIDE_PX: u32 = 16_384;
+/// Threads that can be asked for: more than any machine has processors.
+pub(crate) const MOST_THREADS: usize = 1024;
+/// Of a file with a correction; `sheer calibrate` writes a few hundred.
+const LONGEST_CORRECTION_BYTES: u64 = 1 << 20;
 
 impl fmt::Display for Size {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -476,9 +489,10 @@ fn method(text: &str) -> Result<Method, String> {
     let method = parse(&text.replacen(setting, "correction=none", 1))?;
     let expected = r#"give none, dlss or a JSON file with {"coefficients":[c0,c1,c2,c3]} as `sheer calibrate` writes it"#;
     let described = |problem: String| format!("cannot take the correction {file}: {problem}; {expected}");
-    let json = fs::read_to_string(file).map_err(|error| described(error.to_string()))?;
+    let json = read_whole(Path::new(file), LONGEST_CORRECTION_BYTES)
+        .map_err(|error| described(error.to_string()))?;
     let CorrectionFile { coefficients } =
-        serde_json::from_str(&json).map_err(|error| described(error.to_string()))?;
+        serde_json::from_slice(&json).map_err(|error| described(error.to_string()))?;
     let correction = Correction::new(coefficients);
     let correction = correction.ok_or_else(|| described("a coefficient is not finite".to_owned()))?;
     Ok(method.with_correction(correction, text))

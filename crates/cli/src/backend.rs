@@ -1,12 +1,14 @@
 //! From `--backend` and `--adapter` to what renders. Commands have one body for all backends, over
 //! [`Backend`].
 
+use sheer_core::text::MemorySize;
 use sheer_gpu::{Gpu, GpuBackend};
 use sheer_render::{Backend, backend::Cpu};
 
 use crate::{
     args::{BackendArguments, BackendChoice},
     failure::Misuse,
+    graphics,
 };
 
 /// Something that can be done on every backend.
@@ -20,7 +22,7 @@ impl BackendArguments {
     pub(crate) fn run(&self, task: &impl Task) -> anyhow::Result<()> {
         match self.gpu()? {
             None => task.run_on(&Cpu),
-            Some(gpu) => task.run_on(&gpu),
+            Some(gpu) => graphics::guarded(MemorySize(0), || task.run_on(&gpu)),
         }
     }
 
@@ -32,7 +34,8 @@ impl BackendArguments {
             }
             BackendChoice::Cpu => Ok(None),
             BackendChoice::Gpu(path) => {
-                let gpu = Gpu::new(&self.adapter.clone().unwrap_or_default())?;
+                let choice = self.adapter.clone().unwrap_or_default();
+                let gpu = graphics::guarded(graphics::RENDERING, || Ok(Gpu::new(&choice)?))?;
                 Ok(Some(GpuBackend::new(gpu, path)))
             }
         }

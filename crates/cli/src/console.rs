@@ -7,6 +7,7 @@ use std::{
 };
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use sheer_core::text::printable;
 use sheer_lab::Progress;
 
 /// Talks to whoever runs the program, or does not.
@@ -29,8 +30,8 @@ impl Console {
 
     fn line(self, text: impl Display) {
         if !self.quiet {
-            // A closed stderr is no reason to stop rendering.
-            let _ = writeln!(io::stderr(), "{text}");
+            // Names out of files are a part of it. A closed stderr is no reason to stop rendering.
+            let _ = writeln!(io::stderr(), "{}", printable(&text.to_string()));
         }
     }
 

@@ -6,6 +6,7 @@ use std::{
     process::ExitCode,
 };
 
+use sheer_core::text::printable;
 use sheer_gallery::GalleryError;
 use sheer_gpu::GpuError;
 use sheer_image::ImageError;
@@ -39,7 +40,7 @@ pub(crate) fn report(error: &anyhow::Error) -> ExitCode {
     }
     let line = message(error).split_whitespace().collect::<Vec<_>>().join(" ");
     // Where even stderr is closed, only the exit code is left.
-    let _ = writeln!(io::stderr(), "sheer: error: {line}");
+    let _ = writeln!(io::stderr(), "sheer: error: {}", printable(&line));
     if is_misuse(error) { ExitCode::from(2) } else { ExitCode::FAILURE }
 }
 

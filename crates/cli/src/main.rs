@@ -8,11 +8,14 @@ use std::{env, process::ExitCode};
 use args::{Arguments, Command};
 use clap::Parser;
 
+mod allocator;
 mod args;
 mod backend;
 mod command;
 mod console;
 mod failure;
+mod graphics;
+mod memory;
 mod output;
 mod report;
 mod setup;
@@ -20,11 +23,13 @@ mod version;
 
 fn main() -> ExitCode {
     output::finish_writing_when_interrupted();
+    graphics::keep_caught_panics_quiet();
+    memory::end_when_exhausted();
     if env::var_os("RUST_LOG").is_some() {
         env_logger::init();
     }
     let outcome = match Arguments::try_parse() {
-        Ok(arguments) => run(&arguments.command),
+        Ok(arguments) => setup::check_environment().and_then(|()| run(&arguments.command)),
         Err(usage) => failure::from_usage(&usage),
     };
     match outcome {

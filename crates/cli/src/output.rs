@@ -6,6 +6,8 @@ use std::{
     path::{Path, PathBuf},
     process,
     sync::{Mutex, MutexGuard, PoisonError},
+    thread,
+    time::Duration,
 };
 
 use anyhow::Context as _;
@@ -34,6 +36,18 @@ pub(crate) fn finish_writing_when_interrupted() {
     };
     // Without the handler an interruption works as well, only less tidily.
     let _ = ctrlc::set_handler(interrupted);
+}
+
+/// Waits, a while, until no file is being written: for whoever is about to end the program and may be who is
+/// writing.
+pub(crate) fn wait_for_writing() {
+    const TRIES: u32 = 100;
+    for _ in 0..TRIES {
+        if WRITING.try_lock().is_ok() {
+            return;
+        }
+        thread::sleep(Duration::from_millis(10));
+    }
 }
 
 /// Writes to stdout.
@@ -129,7 +143,12 @@ impl PictureOutput {
     pub(crate) fn path(&self, frame: u32) -> PathBuf {
         match self {
             Self::Single(path) => path.clone(),
-            Self::Sequence { before, digits, after } => format!("{before}{frame:0digits$}{after}").into(),
+            Self::Sequence { before, digits, after } => {
+                // A width of the formatter has 16 bits, a name as many places as the user likes.
+                let number = frame.to_string();
+                let zeros = "0".repeat(digits.saturating_sub(number.len()));
+                format!("{before}{zeros}{number}{after}").into()
+            }
         }
     }
 
@@ -186,6 +205,8 @@ mod tests {
         assert_eq!(frame_7("a%04d.exr"), "a0007.exr");
         assert_eq!(frame_7("a%d.exr"), "a7.exr");
         assert_eq!(frame_7("100%/##.png"), "100%/07.png");
+        let long = frame_7(&format!("{}.png", "#".repeat(70_000)));
+        assert_eq!(long, format!("{}7.png", "0".repeat(69_999)));
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! From arguments to a stage that can be rendered.
 
-use std::{path::Path, sync::Arc};
+use std::{env, path::Path, sync::Arc};
 
 use anyhow::Context as _;
 use rayon::ThreadPoolBuilder;
@@ -12,17 +12,36 @@ use sheer_scene::{CameraChoice, Environment, LoadOptions, Scene};
 
 use crate::{
     args::{
-        EnvironmentChoice, FrameArguments, LightArguments, LoadArguments, MachineArguments, SceneArguments,
-        Size,
+        EnvironmentChoice, FrameArguments, LightArguments, LoadArguments, MOST_THREADS, MachineArguments,
+        SceneArguments, Size,
     },
     console::Console,
+    failure::Misuse,
+    memory,
     report::json::Run,
     version::{COMMIT, VERSION},
 };
 
+/// Refuses what the environment asks for and no machine has: rayon would start as many threads as it is told.
+pub(crate) fn check_environment() -> anyhow::Result<()> {
+    for variable in ["RAYON_NUM_THREADS", "RAYON_RS_NUM_CPUS"] {
+        let Some(threads) = env::var_os(variable) else { continue };
+        // What is no number counts for nothing.
+        let is_number = |text: &&str| text.bytes().all(|byte| byte.is_ascii_digit());
+        let Some(threads) = threads.to_str().filter(is_number) else { continue };
+        if threads.parse::<usize>().map_or(!threads.is_empty(), |threads| threads > MOST_THREADS) {
+            let problem =
+                format!("{variable} is {threads}; set it to {MOST_THREADS} at most, or leave it out");
+            return Err(Misuse(problem).into());
+        }
+    }
+    Ok(())
+}
+
 impl MachineArguments {
-    /// Limits the threads that work beside the stage's own, and tells how much may be said.
+    /// Limits the threads that work beside the stage's own, and memory, and tells how much may be said.
     pub(crate) fn apply(self) -> anyhow::Result<Console> {
+        memory::limit(self.memory_limit);
         let pool = ThreadPoolBuilder::new().num_threads(self.threads.unwrap_or(0));
         pool.build_global().map_err(RenderError::from)?;
         Ok(Console { quiet: self.quiet })
@@ -56,7 +75,11 @@ impl LightArguments {
 impl LoadArguments {
     /// The library's options.
     pub(crate) fn options(&self) -> LoadOptions {
-        LoadOptions { strict: self.strict, allowed_folders: self.allowed_folders.clone() }
+        LoadOptions {
+            strict: self.strict,
+            allowed_folders: self.allowed_folders.clone(),
+            memory_limit: Some(memory::left_by_the_program()),
+        }
     }
 }
 
@@ -81,6 +104,7 @@ impl SceneArguments {
 
     /// Loads the scene.
     pub(crate) fn load(&self, console: Console) -> anyhow::Result<Arc<Scene>> {
+        memory::start(&self.text);
         let loaded = sheer_gallery::open_with(&self.text, &self.load.options())?;
         for warning in &loaded.warnings {
             console.warn(format_args!("{}: {warning}", self.text));

@@ -31,6 +31,7 @@ mod surface;
 use attribute::{QUAD_UVS, mix};
 use footprint::texel_density;
 use instances::Instances;
+pub(crate) use instances::LEAST_SHARED;
 use property::Properties;
 
 pub use animator::Animator;

@@ -6,6 +6,7 @@
 
 pub mod camera;
 mod content_hash;
+mod cost;
 pub mod environment;
 mod error;
 mod frame;

@@ -1,6 +1,6 @@
 //! The scene: validation of its parts, its bounds and its default view.
 
-use std::sync::Arc;
+use std::{collections::HashMap, sync::Arc};
 
 use glam::{Affine3A, Vec3};
 
@@ -313,6 +313,8 @@ fn validate_mesh(mesh: &Mesh, parts: &SceneParts) -> Result<(), String> {
 }
 
 fn validate_instances(parts: &SceneParts) -> Result<(), Fault> {
+    // Many instances may share a mesh with many influences.
+    let most_joints: Vec<usize> = parts.meshes.iter().map(joint_count).collect();
     for (index, instance) in parts.instances.iter().enumerate() {
         let place = || format!("instance {index}");
         check((instance.node as usize) < parts.nodes.len(), place, "its node is not there")?;
@@ -324,8 +326,7 @@ fn validate_instances(parts: &SceneParts) -> Result<(), Fault> {
         if let Some(skin) = instance.skin {
             let skin = parts.skins.get(skin as usize);
             let skin = skin.ok_or_else(|| (place(), "its skin is not there".to_owned()))?;
-            let joints_exist =
-                mesh.influences.iter().all(|influence| usize::from(influence.joint) < skin.joints.len());
+            let joints_exist = most_joints[instance.mesh as usize] <= skin.joints.len();
             check(joints_exist, place, "a vertex refers to a joint that its skin does not have")?;
         }
     }
@@ -369,7 +370,19 @@ fn validate_property(property: &Property, parts: &SceneParts) -> Result<(), Stri
     Ok(())
 }
 
+/// How many joints the vertices of a mesh refer to, by the greatest of their numbers.
+fn joint_count(mesh: &Mesh) -> usize {
+    mesh.influences.iter().map(|influence| usize::from(influence.joint) + 1).max().unwrap_or(0)
+}
+
 fn validate_animations(parts: &SceneParts) -> Result<(), Fault> {
+    // The least and greatest number of weights that the instances at each node have.
+    let mut weight_counts: HashMap<u32, [usize; 2]> = HashMap::new();
+    for instance in &parts.instances {
+        let count = instance.morph_weights.len();
+        let [least, greatest] = weight_counts.entry(instance.node).or_insert([count; 2]);
+        (*least, *greatest) = (count.min(*least), count.max(*greatest));
+    }
     for (index, animation) in parts.animations.iter().enumerate() {
         for (number, property) in animation.properties.iter().enumerate() {
             validate_property(property, parts).map_err(|problem| {
@@ -389,9 +402,8 @@ fn validate_animations(parts: &SceneParts) -> Result<(), Fault> {
             let is_trs = matches!(node.transform, Transform::Trs { .. });
             check(!moves || is_trs, place, "its node has a matrix, which cannot be animated")?;
             if let Track::MorphWeights(keys) = &channel.track {
-                let targets = parts.instances.iter().filter(|instance| instance.node == channel.node);
-                let fits = |count: usize| keys.values.iter().all(|weights| weights.len() == count);
-                let fit = targets.map(|instance| instance.morph_weights.len()).all(fits);
+                let fits = |count: &usize| keys.values.iter().all(|weights| weights.len() == *count);
+                let fit = weight_counts.get(&channel.node).is_none_or(|counts| counts.iter().all(fits));
                 check(fit, place, "its weights and the mesh's morph targets differ in number")?;
             }
         }

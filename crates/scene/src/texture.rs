@@ -4,7 +4,10 @@
 //! the footprint instead of a logarithm, which devices round otherwise: the exponent is the level, and the
 //! mantissa the weight of the next, linear from one level to the next instead of logarithmic.
 
-use std::sync::Arc;
+use std::{
+    collections::{HashMap, HashSet},
+    sync::Arc,
+};
 
 use glam::{Vec2, Vec4};
 use rayon::prelude::*;
@@ -47,17 +50,39 @@ pub(crate) struct Footprint {
     pub(crate) width: f32,
 }
 
+/// The first texture whose levels are the same, for each texture.
+fn owners(parts: &SceneParts, alpha_uses: &[AlphaUse]) -> Vec<usize> {
+    let mut first = HashMap::new();
+    let owner = |(index, texture): (usize, &Texture)| {
+        // What levels depend on.
+        let has_levels = texture.minification.levels != LevelFilter::None;
+        let alpha_use = match alpha_uses[index] {
+            AlphaUse::None => None,
+            AlphaUse::Blend => Some(None),
+            AlphaUse::Test { cutoff } => Some(Some(cutoff.to_bits())),
+        };
+        let made_of = (Arc::as_ptr(&texture.image), has_levels.then_some((texture.srgb, alpha_use)));
+        *first.entry(made_of).or_insert(index)
+    };
+    parts.textures.iter().enumerate().map(owner).collect()
+}
+
+/// Bytes that levels will take beyond those of one chain for each image: the same image is another one for
+/// each cutoff that its alpha is tested against.
+pub(crate) fn level_bytes(parts: &SceneParts) -> u64 {
+    let owners = owners(parts, &alpha_uses(parts));
+    let mut seen = HashSet::new();
+    let is_further =
+        |index: &usize| owners[*index] == *index && !seen.insert(Arc::as_ptr(&parts.textures[*index].image));
+    // A byte of alpha, and a third of five below.
+    let bytes = |index: usize| 3 * parts.textures[index].image.as_slice().len() as u64;
+    (0..parts.textures.len()).filter(is_further).map(bytes).fold(0, u64::saturating_add)
+}
+
 /// Samplers of all textures. Textures share levels that are the same.
 pub(crate) fn samplers(parts: &SceneParts) -> Vec<Sampler> {
     let alpha_uses = alpha_uses(parts);
-    // What levels depend on.
-    let made_of = |index: usize| {
-        let texture = &parts.textures[index];
-        let has_levels = texture.minification.levels != LevelFilter::None;
-        (Arc::as_ptr(&texture.image), has_levels.then_some((texture.srgb, alpha_uses[index])))
-    };
-    let owner = |index: usize| (0..index).find(|&other| made_of(other) == made_of(index)).unwrap_or(index);
-    let owners: Vec<usize> = (0..parts.textures.len()).map(owner).collect();
+    let owners = owners(parts, &alpha_uses);
     let chains: Vec<Option<Arc<MipChain>>> = (0..parts.textures.len())
         .into_par_iter()
         .map(|index| {

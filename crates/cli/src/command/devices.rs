@@ -4,6 +4,7 @@ use sheer_gpu::{AdapterReport, GpuError, GpuPath, GpuPathChoice, adapters};
 
 use crate::{
     args::DevicesArguments,
+    graphics,
     output::{self, TextOutput},
     report::{
         json::{self, Device, Devices},
@@ -14,7 +15,8 @@ use crate::{
 
 pub(crate) fn run(arguments: &DevicesArguments) -> anyhow::Result<()> {
     let json = arguments.json.as_deref().map(TextOutput::open).transpose()?;
-    let devices: Vec<Device> = adapters().into_iter().enumerate().map(device).collect();
+    let adapters = graphics::guarded(graphics::LISTING, || Ok(adapters()))?;
+    let devices: Vec<Device> = adapters.into_iter().enumerate().map(device).collect();
     if devices.is_empty() {
         return Err(GpuError::NoAdapter { problem: "no adapter was found".to_owned() }.into());
     }

@@ -1,5 +1,6 @@
 //! Tables for terminals.
 
+use sheer_core::text::printable;
 use sheer_lab::Figures;
 
 /// Lines of cells under a heading, columns lined up: the first to the left, the others to the right.
@@ -23,7 +24,7 @@ impl Table {
 
     /// Adds a line of as many cells as the heading has.
     pub(crate) fn add(&mut self, cells: Vec<String>) {
-        self.lines.push(cells);
+        self.lines.push(cells.iter().map(|cell| printable(cell).into_owned()).collect());
     }
 
     /// As text, one line each.

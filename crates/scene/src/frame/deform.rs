@@ -15,8 +15,7 @@ pub(super) fn normal_matrix(vector_from_object: Mat3) -> Mat3 {
 
 /// The morph weights of an instance at the moment.
 fn morph_weights<'a>(instance: &'a Instance, pose: &'a NodePose) -> &'a [f32] {
-    let animated = pose.morph_weights.iter().find(|(node, _)| *node == instance.node);
-    animated.map_or(&instance.morph_weights, |(_, weights)| weights)
+    pose.morph_weights.get(&instance.node).unwrap_or(&instance.morph_weights)
 }
 
 /// Colours and texture coordinates of an instance, if its mesh morphs any.
@@ -69,11 +68,7 @@ pub(super) fn deform(
         own_normals.iter_mut().zip(&target.normals).for_each(|(normal, delta)| *normal += *delta * weight);
     }
 
-    let joints: Vec<Affine3A> = instance.skin.map_or_else(Vec::new, |skin| {
-        let skin = &parts.skins[skin as usize];
-        let world_from_joint = skin.joints.iter().map(|&joint| pose.world_from_node[joint as usize]);
-        world_from_joint.zip(&skin.inverse_bind).map(|(world, bind)| world * *bind).collect()
-    });
+    let joints = instance.skin.map_or(&[][..], |skin| &pose.joints[skin as usize]);
     let rigid = normal_matrix(Mat3::from(world_from_object.matrix3));
     for (vertex, position) in positions.iter_mut().enumerate() {
         let normal = own_normals.get_mut(vertex);

@@ -17,7 +17,7 @@ use crate::model::{AlphaMode, Instance, Material, Mesh, SceneParts, TextureRef};
 
 /// Meshes of fewer triangles are copied: an instance takes as much memory by itself, and rays longer to find
 /// it.
-const LEAST_MESH: usize = 16;
+pub(crate) const LEAST_SHARED: usize = 16;
 
 /// Which instances share the triangles of their mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,7 +42,7 @@ impl Sharing {
             !changes(index)
                 && instance.skin.is_none()
                 && mesh.morph_targets.is_empty()
-                && mesh.indices.len() >= LEAST_MESH
+                && mesh.indices.len() >= LEAST_SHARED
         };
         let indices = 0..parts.instances.len() as u32;
         let mesh_of = |index: u32| parts.instances[index as usize].mesh as usize;

@@ -1,5 +1,7 @@
 //! Where nodes and cameras are at a time.
 
+use std::collections::HashMap;
+
 use glam::{Affine3A, Quat};
 
 use crate::{
@@ -10,14 +12,16 @@ use crate::{
 /// All nodes at one moment.
 pub(super) struct NodePose {
     pub(super) world_from_node: Vec<Affine3A>,
+    /// `world_from_object` in the pose of each joint of each skin: many instances share one.
+    pub(super) joints: Vec<Vec<Affine3A>>,
     /// Animated morph weights by node.
-    pub(super) morph_weights: Vec<(u32, Vec<f32>)>,
+    pub(super) morph_weights: HashMap<u32, Vec<f32>>,
 }
 
 impl NodePose {
     pub(super) fn at(parts: &SceneParts, time_secs: f32) -> Self {
         let mut local: Vec<Transform> = parts.nodes.iter().map(|node| node.transform).collect();
-        let mut morph_weights = Vec::new();
+        let mut morph_weights = HashMap::new();
         for animation in &parts.animations {
             let time_secs = animation.looped(time_secs);
             for channel in &animation.channels {
@@ -30,7 +34,7 @@ impl NodePose {
                     }
                     (Track::Scale(keys), Transform::Trs { scale, .. }) => *scale = keys.value_at(time_secs),
                     (Track::MorphWeights(keys), _) => {
-                        morph_weights.push((channel.node, keys.value_at(time_secs)));
+                        morph_weights.entry(channel.node).or_insert_with(|| keys.value_at(time_secs));
                     }
                     // Validation has refused animated matrices.
                     (_, Transform::Matrix(_)) => {}
@@ -42,7 +46,12 @@ impl NodePose {
             let parent = node.parent.map_or(Affine3A::IDENTITY, |parent| world_from_node[parent as usize]);
             world_from_node.push(parent * transform.to_affine());
         }
-        Self { world_from_node, morph_weights }
+        let joints = parts.skins.iter().map(|skin| {
+            let world_from_joint = skin.joints.iter().map(|&joint| world_from_node[joint as usize]);
+            world_from_joint.zip(&skin.inverse_bind).map(|(world, bind)| world * *bind).collect()
+        });
+        let joints = joints.collect();
+        Self { world_from_node, joints, morph_weights }
     }
 }
 

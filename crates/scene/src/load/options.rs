@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use sheer_core::text::MemorySize;
+
 /// What a caller may say of how a file is read. The default reads whatever is sound, and nothing that lies
 /// outside the file's own folder.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -12,4 +14,7 @@ pub struct LoadOptions {
     pub strict: bool,
     /// Folders besides the file's own that the files it refers to may lie in, at any depth.
     pub allowed_folders: Vec<PathBuf>,
+    /// What the scene may take in memory in all, with its acceleration structure: counted before it is taken.
+    /// Without a limit there still is one of what is decoded from a file of its size.
+    pub memory_limit: Option<MemorySize>,
 }

@@ -72,14 +72,21 @@ impl MipChain {
     /// All levels of an image; `srgb`: its colours are sRGB-encoded.
     pub(crate) fn new(image: &Arc<Image<[u8; 4]>>, srgb: bool, alpha_use: AlphaUse) -> Self {
         let mut chain = Self::of_one(image);
-        let mut sums = Sums::of_image(image, srgb, alpha_use);
-        while sums.size != [1, 1] {
-            sums = sums.halved();
+        let mut size = chain.levels[0].size;
+        let mut last: Option<Sums> = None;
+        while size != [1, 1] {
+            // The image itself is never held as sums, which take eight times its memory.
+            let sums = match &last {
+                None => Sums::half_of_image(image, srgb, alpha_use),
+                Some(last) => last.halved(),
+            };
+            size = sums.size;
             let scale = match alpha_use {
                 AlphaUse::None | AlphaUse::Blend => 1.0,
                 AlphaUse::Test { cutoff } => sums.coverage_scale(cutoff, chain.levels[0].coverage(cutoff)),
             };
             chain.levels.push(Level::new(Arc::new(sums.encoded(srgb, scale))));
+            last = Some(sums);
         }
         chain
     }
@@ -132,23 +139,27 @@ fn half(size: usize) -> usize {
 }
 
 impl Sums {
-    fn of_image(image: &Image<[u8; 4]>, srgb: bool, alpha_use: AlphaUse) -> Self {
+    /// The level below an image.
+    fn half_of_image(image: &Image<[u8; 4]>, srgb: bool, alpha_use: AlphaUse) -> Self {
         let decode = &decode_tables()[usize::from(srgb)];
-        let texel = |&[r, g, b, a]: &[u8; 4]| {
+        let texels = image.as_slice();
+        let texel = |at: usize| {
+            let [r, g, b, a] = texels[at];
             let alpha = f32::from(a) / 255.0;
             let weight = if alpha_use == AlphaUse::None { 1.0 } else { alpha + LEAST_WEIGHT };
             let rgb = Vec3::from_array([r, g, b].map(|byte| decode[usize::from(byte)]));
             ((rgb * weight).extend(weight), alpha)
         };
-        Self {
-            size: [image.width() as usize, image.height() as usize],
-            texels: image.as_slice().iter().map(texel).collect(),
-        }
+        Self::half_of([image.width() as usize, image.height() as usize], texel)
     }
 
     /// The next level.
     fn halved(&self) -> Self {
-        let [width, height] = self.size;
+        Self::half_of(self.size, |at| self.texels[at])
+    }
+
+    /// The level below one of a size, of which `texel` gives colour times weight, weight, and alpha.
+    fn half_of([width, height]: [usize; 2], texel: impl Fn(usize) -> (Vec4, f32)) -> Self {
         let size = [half(width), half(height)];
         let columns: Vec<Taps> = (0..size[0]).map(|x| Taps::new(x, width)).collect();
         let mut texels = Vec::with_capacity(size[0] * size[1]);
@@ -156,11 +167,12 @@ impl Sums {
             for column in &columns {
                 let mut sum = (Vec4::ZERO, 0.0);
                 for y in 0..row.count {
-                    let line = &self.texels[(row.first + y) * width + column.first..][..column.count];
-                    for (texel, column_weight) in line.iter().zip(column.weights) {
+                    let first = (row.first + y) * width + column.first;
+                    for (at, column_weight) in (first..first + column.count).zip(column.weights) {
                         let weight = row.weights[y] * column_weight;
-                        sum.0 += weight * texel.0;
-                        sum.1 += weight * texel.1;
+                        let (colour, alpha) = texel(at);
+                        sum.0 += weight * colour;
+                        sum.1 += weight * alpha;
                     }
                 }
                 texels.push(sum);

@@ -2,12 +2,17 @@
 
 use std::{
     cell::{Cell, OnceCell, RefCell},
-    collections::HashSet,
-    path::Path,
+    collections::{HashMap, HashSet},
+    hash::{BuildHasher as _, RandomState},
+    io,
+    path::{Path, PathBuf},
+    rc::Rc,
 };
 
+use sheer_core::text::{MemorySize, printable, quoted};
+
 use super::{
-    lenient,
+    estimate, lenient,
     limits::{BASE_BYTES, BYTES_PER_INPUT_BYTE},
     meshopt,
     resource::{self, UriError},
@@ -20,8 +25,12 @@ use crate::{
 
 /// Warnings of a file that are said: a file in which everything is wrong would say it of everything.
 const MOST_WARNINGS: usize = 100;
-/// Of a name that a message quotes, characters.
-const LONGEST_NAME: usize = 60;
+/// Characters of a name that are kept; messages show fewer. Names are copied to whatever refers to them.
+const LONGEST_NAME: usize = 256;
+/// What the tree of a JSON text may take that does not parse as it stands, in bytes.
+const LARGEST_TREE: u64 = 4 << 30;
+/// Characters of a message that quotes from the file.
+const LONGEST_MESSAGE: usize = 600;
 
 /// The file while it is being read. Buffers are read when first asked for.
 pub(super) struct Document<'a> {
@@ -29,13 +38,20 @@ pub(super) struct Document<'a> {
     pub options: &'a LoadOptions,
     path: &'a Path,
     binary_chunk: Option<&'a [u8]>,
-    buffers: Vec<OnceCell<Vec<u8>>>,
+    buffers: Vec<OnceCell<Rc<Vec<u8>>>>,
+    /// Files that buffers lie in, each read once however many do.
+    files: RefCell<HashMap<PathBuf, Rc<Vec<u8>>>>,
     /// Buffer views that are compressed, each decompressed when it is first asked for.
     views: Vec<OnceCell<Vec<u8>>>,
+    /// What may still be decoded from a file of this size.
     bytes_left: Cell<u64>,
+    /// What the scene may still take.
+    memory_left: Cell<u64>,
     warnings: RefCell<Vec<LoadWarning>>,
-    /// Texts of the warnings given.
-    warned: RefCell<HashSet<String>>,
+    /// Hashes of the texts of all warnings, and how many were not kept.
+    warned: RefCell<HashSet<u64>>,
+    unsaid: Cell<usize>,
+    hasher: RandomState,
     /// Place and problem of the first part that was lost.
     first_loss: RefCell<Option<(String, String)>>,
 }
@@ -49,19 +65,31 @@ impl<'a> Document<'a> {
         let fault = |place: &str, problem: String| SceneError::File {
             path: path.to_owned(),
             place: place.to_owned(),
-            problem,
+            problem: shown(&problem),
         };
+        let memory = options.memory_limit.map_or(u64::MAX, |limit| limit.0);
         let (json, binary_chunk) =
             resource::split_container(bytes).map_err(|problem| fault("container", problem))?;
+        let parsed = estimate::parsed_bytes(json).saturating_add(bytes.len() as u64);
+        let memory_left = memory.checked_sub(parsed).ok_or_else(|| SceneError::Limit {
+            path: path.to_owned(),
+            place: "JSON".to_owned(),
+            problem: beyond_limit(parsed, memory, memory),
+        })?;
         let strict: Option<Root> = serde_json::from_slice(json).ok();
-        let lenient::Parsed { root, is_straightened, left_out } = match strict {
+        let lenient::Parsed { mut root, is_straightened, left_out } = match strict {
             Some(root) => lenient::Parsed { root, is_straightened: false, left_out: Vec::new() },
+            None if estimate::tree_bytes(json) > memory_left.min(LARGEST_TREE) => {
+                let problem = "it does not parse as it stands, and is too large to find out why; check it with a glTF validator";
+                return Err(fault("JSON", problem.to_owned()));
+            }
             None => lenient::parse(json, |only| version_problem(&only.asset))
                 .map_err(|lenient::Fault { place, problem }| fault(&place, problem))?,
         };
         if let Some(problem) = version_problem(&root.asset) {
             return Err(fault("asset", problem));
         }
+        cut_names(&mut root);
         let (buffer_count, view_count) = (root.buffers.len(), root.buffer_views.len());
         let document = Self {
             root,
@@ -69,10 +97,14 @@ impl<'a> Document<'a> {
             path,
             binary_chunk,
             buffers: (0..buffer_count).map(|_| OnceCell::new()).collect(),
+            files: RefCell::default(),
             views: (0..view_count).map(|_| OnceCell::new()).collect(),
             bytes_left: Cell::new(BASE_BYTES + BYTES_PER_INPUT_BYTE * bytes.len() as u64),
+            memory_left: Cell::new(memory_left),
             warnings: RefCell::default(),
             warned: RefCell::default(),
+            unsaid: Cell::new(0),
+            hasher: RandomState::new(),
             first_loss: RefCell::default(),
         };
         if is_straightened {
@@ -88,13 +120,13 @@ impl<'a> Document<'a> {
     /// An error at a place in this file, given as a path such as `meshes[3].primitives[0]`.
     pub(super) fn fault(&self, place: impl AsRef<str>, problem: impl Into<String>) -> SceneError {
         let place = self.titled(place.as_ref());
-        SceneError::File { path: self.path.to_owned(), place, problem: problem.into() }
+        SceneError::File { path: self.path.to_owned(), place, problem: shown(&problem.into()) }
     }
 
     /// An error at a place that asks for more than the file may take.
     pub(super) fn limit(&self, place: impl AsRef<str>, problem: impl Into<String>) -> SceneError {
         let place = self.titled(place.as_ref());
-        SceneError::Limit { path: self.path.to_owned(), place, problem: problem.into() }
+        SceneError::Limit { path: self.path.to_owned(), place, problem: shown(&problem.into()) }
     }
 
     /// A part of the file, or nothing where it is broken: then `outcome` says in the warning what became of
@@ -129,7 +161,7 @@ impl<'a> Document<'a> {
     /// `meshes[3].primitives[0] ('Body')`.
     pub(super) fn titled(&self, place: &str) -> String {
         match self.name_of(place) {
-            Some(name) if !name.is_empty() => format!("{place} ('{}')", shown(name)),
+            Some(name) if !name.is_empty() => format!("{place} ('{}')", quoted(name)),
             _ => place.to_owned(),
         }
     }
@@ -157,10 +189,17 @@ impl<'a> Document<'a> {
         }
     }
 
-    /// Adds a warning unless the same one is there already.
+    /// Adds a warning unless the same one is there already; counts it where there are enough.
     pub(super) fn warn(&self, warning: LoadWarning) {
-        if self.warned.borrow_mut().insert(warning.to_string()) {
-            self.warnings.borrow_mut().push(warning);
+        let hash = self.hasher.hash_one(warning.to_string());
+        if !self.warned.borrow_mut().insert(hash) {
+            return;
+        }
+        let mut warnings = self.warnings.borrow_mut();
+        if warnings.len() < MOST_WARNINGS {
+            warnings.push(warning);
+        } else {
+            self.unsaid.set(self.unsaid.get() + 1);
         }
     }
 
@@ -172,10 +211,11 @@ impl<'a> Document<'a> {
     /// All warnings, or as many as anyone reads.
     pub(super) fn into_warnings(self) -> Vec<LoadWarning> {
         let mut warnings = self.warnings.into_inner();
-        if warnings.len() > MOST_WARNINGS {
-            let count = warnings.len() - (MOST_WARNINGS - 1);
+        let unsaid = self.unsaid.get();
+        if unsaid > 0 {
+            // The last one makes room.
             warnings.truncate(MOST_WARNINGS - 1);
-            warnings.push(LoadWarning::More { count });
+            warnings.push(LoadWarning::More { count: unsaid + 1 });
         }
         warnings
     }
@@ -200,6 +240,7 @@ impl<'a> Document<'a> {
     /// Takes memory for `count` values of `bytes_each` from what the file may cost.
     pub(super) fn charge(&self, count: usize, bytes_each: usize, place: &str) -> Result<(), SceneError> {
         let cost = (count as u64).saturating_mul(bytes_each as u64);
+        self.take(cost, place)?;
         let left = self.bytes_left.get().checked_sub(cost).ok_or_else(|| {
             let problem = format!(
                 "{count} elements of {bytes_each} bytes are more than a file of this size may hold; check the count, or split the file"
@@ -210,17 +251,68 @@ impl<'a> Document<'a> {
         Ok(())
     }
 
+    /// Takes memory from what the scene may take in all.
+    pub(super) fn take(&self, bytes: u64, place: &str) -> Result<(), SceneError> {
+        let Some(MemorySize(limit)) = self.options.memory_limit else { return Ok(()) };
+        let left = self.memory_left.get();
+        let rest =
+            left.checked_sub(bytes).ok_or_else(|| self.limit(place, beyond_limit(bytes, left, limit)))?;
+        self.memory_left.set(rest);
+        Ok(())
+    }
+
+    /// Gives back memory that was taken and is not kept. What may be decoded stays less by it: that took
+    /// time.
+    pub(super) fn give_back(&self, bytes: usize) {
+        self.memory_left.set(self.memory_left.get().saturating_add(bytes as u64));
+    }
+
+    /// What the scene may still take in memory, in bytes.
+    pub(super) fn memory_left(&self) -> u64 {
+        self.memory_left.get()
+    }
+
+    /// The file that a URI means; none for inline data, or if it may not be read.
+    pub(super) fn file_of(&self, uri: &str) -> Option<PathBuf> {
+        resource::file_of(uri, self.folder(), &self.options.allowed_folders)
+    }
+
+    fn folder(&self) -> &Path {
+        self.path.parent().unwrap_or(Path::new(""))
+    }
+
     /// The bytes of a URI, which count as bytes read.
     pub(super) fn read_uri(&self, uri: &str, place: &str) -> Result<Vec<u8>, SceneError> {
-        let folder = self.path.parent().unwrap_or(Path::new(""));
+        let allowed = &self.options.allowed_folders;
         let bytes =
-            resource::read_uri(uri, folder, &self.options.allowed_folders).map_err(|error| match error {
-                UriError::Refused(problem) => self.fault(place, problem),
-                UriError::Unreadable(error) => {
-                    self.fault(place, format!("{error}; put it there or correct the name"))
+            resource::read_uri(uri, self.folder(), allowed, self.memory_left.get()).map_err(|error| {
+                match error {
+                    UriError::Refused(problem) => self.fault(place, problem),
+                    UriError::Unreadable(SceneError::Read { source, path })
+                        if source.kind() == io::ErrorKind::FileTooLarge =>
+                    {
+                        let problem =
+                            format!("cannot read {}: {source}; raise --memory-limit", path.display());
+                        self.limit(place, problem)
+                    }
+                    UriError::Unreadable(error) => {
+                        self.fault(place, format!("{error}; put it there or correct the name"))
+                    }
                 }
             })?;
+        self.take(bytes.len() as u64, place)?;
         self.bytes_left.set(self.bytes_left.get() + BYTES_PER_INPUT_BYTE * bytes.len() as u64);
+        Ok(bytes)
+    }
+
+    /// The bytes of a URI, those of a file read the first time.
+    fn read_once(&self, uri: &str, place: &str) -> Result<Rc<Vec<u8>>, SceneError> {
+        let Some(file) = self.file_of(uri) else { return self.read_uri(uri, place).map(Rc::new) };
+        if let Some(bytes) = self.files.borrow().get(&file) {
+            return Ok(Rc::clone(bytes));
+        }
+        let bytes = Rc::new(self.read_uri(uri, place)?);
+        self.files.borrow_mut().insert(file, Rc::clone(&bytes));
         Ok(bytes)
     }
 
@@ -232,7 +324,7 @@ impl<'a> Document<'a> {
             (Some(uri), _) => match self.buffers[index].get() {
                 Some(bytes) => bytes.as_slice(),
                 None => {
-                    let bytes = self.read_uri(uri, &place)?;
+                    let bytes = self.read_once(uri, &place)?;
                     self.buffers[index].get_or_init(|| bytes)
                 }
             },
@@ -309,18 +401,38 @@ fn version_problem(asset: &Asset) -> Option<String> {
     (!is_known).then(|| format!("the file is of glTF version '{version}'; export it as glTF 2.0"))
 }
 
-/// A name short enough for a message, without characters that would change how the message is shown.
-fn shown(name: &str) -> String {
-    let mut shown = String::new();
-    for letter in name.chars().take(LONGEST_NAME) {
-        if letter.is_control() {
-            shown.extend(letter.escape_default());
-        } else {
-            shown.push(letter);
+/// What a message quotes, short and fit to be shown.
+fn shown(text: &str) -> String {
+    match text.char_indices().nth(LONGEST_MESSAGE) {
+        Some((end, _)) => format!("{}…", printable(&text[..end])),
+        None => printable(text).into_owned(),
+    }
+}
+
+/// What is wrong with `bytes` more, of which `left` are left of a limit.
+fn beyond_limit(bytes: u64, left: u64, limit: u64) -> String {
+    let [bytes, left, limit] = [bytes, left, limit].map(MemorySize);
+    format!(
+        "it takes {bytes} of memory, and of the limit of {limit} there are {left} left; simplify it, or raise --memory-limit"
+    )
+}
+
+/// Shortens names that no one could read.
+fn cut_names(root: &mut Root) {
+    let lights = &mut root.extensions.lights_punctual.lights;
+    let names = (root.animations.iter_mut().map(|animation| &mut animation.name))
+        .chain(root.cameras.iter_mut().map(|camera| &mut camera.name))
+        .chain(root.images.iter_mut().map(|image| &mut image.name))
+        .chain(lights.iter_mut().map(|light| &mut light.name))
+        .chain(root.materials.iter_mut().map(|material| &mut material.name))
+        .chain(root.meshes.iter_mut().map(|mesh| &mut mesh.name))
+        .chain(root.nodes.iter_mut().map(|node| &mut node.name))
+        .chain(root.skins.iter_mut().map(|skin| &mut skin.name))
+        .chain(root.textures.iter_mut().map(|texture| &mut texture.name));
+    for name in names.flatten() {
+        if let Some((end, _)) = name.char_indices().nth(LONGEST_NAME) {
+            name.truncate(end);
+            name.shrink_to_fit();
         }
     }
-    if name.chars().nth(LONGEST_NAME).is_some() {
-        shown.push('…');
-    }
-    shown
 }

@@ -1,8 +1,9 @@
-//! Images: where their bytes are, and decoding them side by side.
+//! Images: where their bytes are, and decoding them side by side, each once.
 
 use std::{
     borrow::Cow,
-    collections::BTreeMap,
+    collections::{BTreeMap, HashMap},
+    path::PathBuf,
     sync::{
         Arc,
         atomic::{AtomicU64, Ordering},
@@ -10,7 +11,8 @@ use std::{
 };
 
 use rayon::prelude::*;
-use sheer_image::{Image, ImageError, TextureLimits, decode_texture};
+use sheer_core::text::MemorySize;
+use sheer_image::{Image, ImageError, TextureLimits, decode_texture, texture_size};
 
 use super::{document::Document, limits::IMAGE_BYTES, schema::Index, texels::Source};
 use crate::SceneError;
@@ -22,6 +24,24 @@ const WITHOUT: &str = "drawn without it";
 pub(super) struct Images {
     decoded: BTreeMap<Index, Arc<Image<[u8; 4]>>>,
     used_bytes: u64,
+    /// What they may take together.
+    most_bytes: u64,
+}
+
+/// What a texel takes: four bytes, its alpha once more, and a third of both for the levels below.
+const TEXEL_BYTES: u64 = 7;
+/// What a texel takes beside that while it is decoded, or while levels are made of it.
+const DECODING_BYTES: u64 = 12;
+
+/// Where the bytes of an image are: images at one place are one image.
+#[derive(PartialEq, Eq, Hash)]
+enum Place<'d> {
+    File(PathBuf),
+    Inline(&'d str),
+    /// Buffer, offset and length.
+    Buffer([usize; 3]),
+    /// A buffer view that is compressed.
+    View(Index),
 }
 
 /// An image still to be decoded.
@@ -51,17 +71,30 @@ impl Images {
         let mut wanted: Vec<Index> = wanted.collect();
         wanted.sort_unstable();
         wanted.dedup();
-        let mut tasks = Vec::with_capacity(wanted.len());
+        // The first image at each place stands for all that are there.
+        let mut first_at = HashMap::new();
+        let mut stands_for = Vec::with_capacity(wanted.len());
         for index in wanted {
+            let first = match place_of(document, index) {
+                Some(place) => *first_at.entry(place).or_insert(index),
+                None => index,
+            };
+            stands_for.push((index, first));
+        }
+        let mut tasks = Vec::new();
+        for &(index, _) in stands_for.iter().filter(|(index, first)| index == first) {
             tasks.extend(document.salvage(find(document, index), WITHOUT)?);
         }
+        let most_bytes = IMAGE_BYTES.min(document.memory_left());
+        let limits = limits(document);
+        check_sizes(document, &tasks, limits)?;
 
         // Each decoder is bounded; together they are counted, so that many small files cannot add up to a
         // large one.
         let used_bytes = AtomicU64::new(0);
         let decode_one = |task: &Task<'_>| -> Result<Image<[u8; 4]>, Fault> {
-            check_budget(used_bytes.load(Ordering::Relaxed)).map_err(Fault::Limit)?;
-            let image = decode_any(&task.bytes)?;
+            check_budget(used_bytes.load(Ordering::Relaxed), most_bytes).map_err(Fault::Limit)?;
+            let image = decode_any(&task.bytes, limits)?;
             used_bytes.fetch_add(size_of_val(image.as_slice()) as u64, Ordering::Relaxed);
             Ok(image)
         };
@@ -76,7 +109,12 @@ impl Images {
                 decoded.insert(task.index, Arc::new(image));
             }
         }
-        Ok(Self { decoded, used_bytes: used_bytes.into_inner() })
+        for (index, first) in stands_for {
+            if let Some(image) = decoded.get(&first).cloned() {
+                decoded.insert(index, image);
+            }
+        }
+        Ok(Self { decoded, used_bytes: used_bytes.into_inner(), most_bytes })
     }
 
     /// Whether the image behind a texture is there.
@@ -102,20 +140,60 @@ impl Images {
         texel: impl Fn(u32, u32) -> [u8; 4] + Sync,
     ) -> Result<Source, String> {
         self.used_bytes += 4 * u64::from(width) * u64::from(height);
-        check_budget(self.used_bytes)?;
+        check_budget(self.used_bytes, self.most_bytes)?;
         let image = Image::par_from_fn(width, height, texel).map_err(|error| error.to_string())?;
         Ok(Source::Computed(Arc::new(image)))
     }
 }
 
-fn check_budget(used_bytes: u64) -> Result<(), String> {
-    if used_bytes > IMAGE_BYTES {
-        return Err(format!(
-            "the images of the file take more than {} GiB when decoded; scale them down",
-            IMAGE_BYTES >> 30
-        ));
+fn check_budget(used_bytes: u64, most_bytes: u64) -> Result<(), String> {
+    if used_bytes > most_bytes {
+        let most = MemorySize(most_bytes);
+        return Err(format!("the images of the file take more than {most} when decoded; scale them down"));
     }
     Ok(())
+}
+
+/// Holds what the images will take against the memory that is left, from their headers alone.
+fn check_sizes(document: &Document<'_>, tasks: &[Task<'_>], limits: TextureLimits) -> Result<(), SceneError> {
+    let mut all = 0_u64;
+    let mut largest: Option<(u64, u32, u32, &Task<'_>)> = None;
+    for task in tasks {
+        // What has no size is refused when it is decoded.
+        let Ok((width, height)) = size_any(&task.bytes, limits) else { continue };
+        let texels = u64::from(width) * u64::from(height);
+        all = all.saturating_add(texels);
+        if largest.is_none_or(|(most, ..)| texels > most) {
+            largest = Some((texels, width, height, task));
+        }
+    }
+    let Some((texels, width, height, task)) = largest else { return Ok(()) };
+    let at_once = texels.saturating_mul(rayon::current_num_threads() as u64).min(all);
+    let bytes = all.saturating_mul(TEXEL_BYTES).saturating_add(at_once.saturating_mul(DECODING_BYTES));
+    let left = document.memory_left();
+    if bytes > left {
+        let [bytes, left] = [bytes, left].map(MemorySize);
+        let count = tasks.len();
+        let problem = format!(
+            "the images take about {bytes} of memory when decoded ({count} in all, this is the largest with {width}x{height} pixels), and {left} are left of the limit; scale them down, or raise --memory-limit"
+        );
+        return Err(document.limit(place(task.index), problem));
+    }
+    document.take(all.saturating_mul(TEXEL_BYTES), &place(task.index))
+}
+
+/// Where an image is; none where nothing is said of it.
+fn place_of<'d>(document: &'d Document<'_>, index: Index) -> Option<Place<'d>> {
+    let image = document.root.images.get(index)?;
+    if let Some(uri) = &image.uri {
+        return Some(document.file_of(uri).map_or(Place::Inline(uri), Place::File));
+    }
+    let index = image.buffer_view?;
+    let view = document.root.buffer_views.get(index)?;
+    Some(match view.extensions.meshopt {
+        None => Place::Buffer([view.buffer, view.byte_offset, view.byte_length]),
+        Some(_) => Place::View(index),
+    })
 }
 
 fn find<'d>(document: &'d Document<'_>, index: Index) -> Result<Task<'d>, SceneError> {
@@ -132,9 +210,23 @@ fn find<'d>(document: &'d Document<'_>, index: Index) -> Result<Task<'d>, SceneE
     Ok(Task { index, bytes })
 }
 
-/// Decodes by what the bytes are, whatever the file calls them.
-fn decode_any(bytes: &[u8]) -> Result<Image<[u8; 4]>, Fault> {
+/// What one image may take: its metadata count as well.
+fn limits(document: &Document<'_>) -> TextureLimits {
     let limits = TextureLimits::default();
+    TextureLimits { max_bytes: limits.max_bytes.min(document.memory_left()), ..limits }
+}
+
+/// Width and height by what the bytes are.
+fn size_any(bytes: &[u8], limits: TextureLimits) -> Result<(u32, u32), String> {
+    #[cfg(feature = "ktx2")]
+    if super::ktx2::is_ktx2(bytes) {
+        return super::ktx2::size(bytes, limits);
+    }
+    texture_size(bytes, "the image", limits).map_err(|error| error.to_string())
+}
+
+/// Decodes by what the bytes are, whatever the file calls them.
+fn decode_any(bytes: &[u8], limits: TextureLimits) -> Result<Image<[u8; 4]>, Fault> {
     #[cfg(feature = "ktx2")]
     if super::ktx2::is_ktx2(bytes) {
         let is_too_large = super::ktx2::is_too_large(bytes, limits);

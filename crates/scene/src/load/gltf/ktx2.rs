@@ -25,6 +25,11 @@ pub(super) fn is_ktx2(bytes: &[u8]) -> bool {
     bytes.starts_with(&IDENTIFIER)
 }
 
+/// Width and height, from the header alone.
+pub(super) fn size(bytes: &[u8], limits: TextureLimits) -> Result<(u32, u32), String> {
+    Header::read(bytes, limits).map(|header| (header.width, header.height))
+}
+
 /// Whether the header of a KTX 2.0 file states more pixels than allowed.
 pub(super) fn is_too_large(bytes: &[u8], limits: TextureLimits) -> bool {
     let word =

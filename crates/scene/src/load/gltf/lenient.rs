@@ -4,13 +4,12 @@
 use serde::{Deserialize, de::DeserializeOwned};
 use serde_json::{Number, Value};
 use serde_path_to_error::{Path, Segment};
+use sheer_core::text::quoted;
 
 use super::schema::{Root, VersionOnly};
 
 /// Integers beyond are not told apart by a double.
 const GREATEST_WHOLE: f64 = 9_007_199_254_740_992.0;
-/// Of a text that a message quotes, characters.
-const LONGEST_QUOTE: usize = 80;
 
 /// Values that are left out of one file before it counts as broken altogether: each costs another attempt.
 const MOST_LEFT_OUT: usize = 32;
@@ -154,8 +153,8 @@ fn found_in_words(found: &str) -> String {
                 .find_map(|kind| found.strip_prefix(kind)?.strip_suffix('`'));
             match (value, found.strip_prefix("string ")) {
                 (Some(value), _) => value.to_owned(),
-                (None, Some(text)) => format!("the text {}", shortened(text)),
-                (None, None) => shortened(found),
+                (None, Some(text)) => format!("the text {}", quoted(text)),
+                (None, None) => quoted(found),
             }
         }
     }
@@ -175,13 +174,6 @@ fn expected_in_words(expected: &str) -> String {
             Some(length) => format!("a list of {length}"),
             None => expected.to_owned(),
         },
-    }
-}
-
-fn shortened(text: &str) -> String {
-    match text.char_indices().nth(LONGEST_QUOTE) {
-        Some((end, _)) => format!("{}…", &text[..end]),
-        None => text.to_owned(),
     }
 }
 

@@ -25,6 +25,9 @@ const MAX_UV_SETS: usize = 8;
 /// Joint sets that are looked for, of four joints each; the specification asks for one.
 const MAX_JOINT_SETS: usize = 8;
 
+/// Vertices that no triangle has are left out if there may be more: a list may serve many primitives.
+pub(super) const MOST_UNUSED: usize = 1024;
+
 /// The meshes read so far: a mesh of the file is read when first drawn.
 pub(super) struct Library<'d, 'a> {
     document: &'d Document<'a>,
@@ -168,6 +171,10 @@ impl<'d, 'a> Reader<'d, 'a> {
         self.read_colours(&mut mesh)?;
         self.read_influences(&mut mesh)?;
         self.read_morph_targets(&mut mesh)?;
+        // What stays is bounded by what is drawn.
+        if mesh.positions.len() > 3 * mesh.indices.len() + MOST_UNUSED {
+            self.document.give_back(leave_out_unused(&mut mesh));
+        }
         Ok(Some(mesh))
     }
 
@@ -507,6 +514,49 @@ fn fill_missing_normals(mesh: &mut Mesh) {
     }
 }
 
+/// Leaves out the vertices that no triangle has, and says how many bytes they took.
+fn leave_out_unused(mesh: &mut Mesh) -> usize {
+    fn pick<T: Copy>(list: &mut Vec<T>, used: &[usize], per_vertex: usize) -> usize {
+        if list.is_empty() {
+            return 0;
+        }
+        let all_bytes = size_of_val(list.as_slice());
+        let values = used.iter().flat_map(|&vertex| &list[vertex * per_vertex..][..per_vertex]);
+        *list = values.copied().collect();
+        all_bytes.saturating_sub(size_of_val(list.as_slice()))
+    }
+    let mut new_index: Vec<Option<u32>> = vec![None; mesh.positions.len()];
+    let mut used: Vec<usize> = Vec::new();
+    for corner in mesh.indices.iter_mut().flatten() {
+        let old = *corner as usize;
+        *corner = *new_index[old].get_or_insert_with(|| {
+            used.push(old);
+            used.len() as u32 - 1
+        });
+    }
+    let Mesh {
+        name: _,
+        material: _,
+        positions,
+        normals,
+        tangents,
+        uv_sets,
+        colours,
+        indices: _,
+        influences,
+        influences_per_vertex,
+        morph_targets,
+    } = mesh;
+    let mut bytes = pick(positions, &used, 1) + pick(normals, &used, 1) + pick(tangents, &used, 1);
+    bytes += uv_sets.iter_mut().map(|set| pick(set, &used, 1)).sum::<usize>();
+    bytes += pick(colours, &used, 1) + pick(influences, &used, *influences_per_vertex);
+    for MorphTarget { positions, normals, colours, uv_sets } in morph_targets {
+        bytes += pick(positions, &used, 1) + pick(normals, &used, 1) + pick(colours, &used, 1);
+        bytes += uv_sets.iter_mut().map(|set| pick(set, &used, 1)).sum::<usize>();
+    }
+    bytes
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -520,6 +570,38 @@ mod tests {
         let mut nothing = [pull(0.0); 2];
         normalise_weights(&mut nothing);
         assert_eq!(nothing.map(|influence| influence.weight), [1.0, 0.0]);
+    }
+
+    #[test]
+    fn unused_vertices_are_left_out_of_every_list() {
+        let place = |vertex: usize| Vec3::splat(vertex as f32);
+        let places: Vec<Vec3> = (0..9).map(place).collect();
+        let mut mesh = Mesh {
+            positions: places.clone(),
+            normals: places.clone(),
+            tangents: places.iter().map(|place| place.extend(1.0)).collect(),
+            uv_sets: vec![Vec::new(), places.iter().map(|place| place.truncate()).collect()],
+            colours: places.iter().map(|place| place.extend(0.5)).collect(),
+            indices: vec![[8, 2, 4], [4, 2, 8]],
+            influences: (0..36).map(|at| Influence { joint: at / 4, weight: 0.25 }).collect(),
+            influences_per_vertex: 4,
+            morph_targets: vec![MorphTarget { positions: places.clone(), ..MorphTarget::default() }],
+            ..Mesh::default()
+        };
+        // Six of nine vertices, with three vectors, two of four, one of two, four influences and a target.
+        assert_eq!(leave_out_unused(&mut mesh), 6 * (3 * 12 + 2 * 16 + 8 + 4 * 8));
+        let kept = [8, 2, 4].map(place);
+        assert_eq!(mesh.indices, [[0, 1, 2], [2, 1, 0]]);
+        assert_eq!((mesh.positions, mesh.normals), (kept.to_vec(), kept.to_vec()));
+        assert_eq!(mesh.tangents, kept.map(|place| place.extend(1.0)));
+        assert_eq!(mesh.uv_sets, [vec![], kept.map(|place| place.truncate()).to_vec()]);
+        assert_eq!(mesh.colours, kept.map(|place| place.extend(0.5)));
+        assert_eq!(
+            mesh.influences.iter().map(|influence| influence.joint).collect::<Vec<_>>(),
+            [8, 8, 8, 8, 2, 2, 2, 2, 4, 4, 4, 4]
+        );
+        assert_eq!(mesh.morph_targets[0].positions, kept);
+        assert!(mesh.morph_targets[0].normals.is_empty());
     }
 
     #[test]

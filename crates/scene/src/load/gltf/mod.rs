@@ -9,15 +9,20 @@
 //! where a file chooses the depth. What one file may take: the JSON costs at most about 200 times its size;
 //! everything decoded from buffers together at most [`limits::BASE_BYTES`] plus
 //! [`limits::BYTES_PER_INPUT_BYTE`] times the bytes read; images at most [`limits::IMAGE_BYTES`] together;
-//! and at most [`limits::MAX_DRAWN_TRIANGLES`] triangles are drawn.
+//! and at most [`limits::MAX_DRAWN_TRIANGLES`] triangles are drawn. Where there is a
+//! [limit](LoadOptions::memory_limit), all of it is counted first ([`estimate`]) and held against that. Names
+//! are cut, and what messages quote of a file is cut and escaped.
 
 use std::path::Path;
+
+use sheer_core::text::quoted;
 
 use crate::{
     SceneError,
     load::{LoadOptions, LoadWarning, Loaded},
     model::SceneParts,
     scene::Scene,
+    texture,
 };
 
 mod accessor;
@@ -28,6 +33,7 @@ mod document;
 mod draco;
 #[cfg(feature = "draco")]
 mod draco_walk;
+mod estimate;
 mod image;
 #[cfg(feature = "ktx2")]
 mod ktx2;
@@ -87,7 +93,8 @@ const IGNORED: &[&str] = &[
 
 /// Reads a file, and what it refers to beside it.
 pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<Loaded, SceneError> {
-    let bytes = resource::read_file(path)?;
+    let most_bytes = options.memory_limit.map_or(u64::MAX, |limit| limit.0);
+    let bytes = resource::read_file(path, most_bytes)?;
     load_slice(&bytes, path, options)
 }
 
@@ -107,6 +114,7 @@ pub(super) fn load_slice(bytes: &[u8], path: &Path, options: &LoadOptions) -> Re
         ..SceneParts::default()
     };
     let hierarchy = node::Hierarchy::build(&document)?;
+    estimate::check(&document, &hierarchy)?;
     parts.nodes = hierarchy.nodes(&document);
     let cameras = hierarchy.cameras(&document)?;
     parts.cameras = cameras.sound;
@@ -118,6 +126,7 @@ pub(super) fn load_slice(bytes: &[u8], path: &Path, options: &LoadOptions) -> Re
     parts.skins = skins.sound;
     let material_of = materials.index_of().to_vec();
     (parts.materials, parts.textures) = materials.finish()?;
+    document.take(texture::level_bytes(&parts), "textures")?;
     let targets = animation::Targets {
         hierarchy: &hierarchy,
         materials: &material_of,
@@ -157,7 +166,7 @@ fn check_extensions(document: &Document<'_>) -> Result<(), SceneError> {
     }
     for extension in root.extensions_used.iter().chain(&root.extensions_required) {
         if !DRAWN.contains(&extension.as_str()) {
-            document.warn(LoadWarning::ExtensionIgnored { extension: extension.clone() });
+            document.warn(LoadWarning::ExtensionIgnored { extension: quoted(extension) });
         }
     }
     Ok(())

@@ -109,6 +109,14 @@ impl Hierarchy {
         document.get(&self.sorted, index, "node", place).copied()
     }
 
+    /// Marks what hangs on marked nodes as well; nodes are in the order of the file.
+    pub(super) fn with_descendants(&self, mut marked: Vec<bool>) -> Vec<bool> {
+        for (at, &index) in self.order.iter().enumerate() {
+            marked[index] |= self.parents[at].is_some_and(|parent| marked[self.order[parent as usize]]);
+        }
+        marked
+    }
+
     pub(super) fn nodes(&self, document: &Document<'_>) -> Vec<Node> {
         let name = |index: Index| document.root.nodes[index].name.clone().unwrap_or_default();
         let nodes = self.order.iter().zip(&self.parents).zip(&self.transforms);
@@ -116,7 +124,7 @@ impl Hierarchy {
     }
 
     /// The nodes shown, with their sorted index and file index.
-    fn shown<'a>(
+    pub(super) fn shown<'a>(
         &'a self,
         document: &'a Document<'_>,
     ) -> impl Iterator<Item = (u32, Index, &'a schema::Node)> {
@@ -142,6 +150,7 @@ impl Hierarchy {
                 .find(|name| !name.is_empty())
                 .cloned()
                 .unwrap_or_else(|| format!("camera{camera}"));
+            document.charge(1, size_of::<Camera>() + 3 * base.len(), &format!("cameras[{camera}]"))?;
             let name = names.unique(base);
             cameras.sound.push(Camera { name, lens, clip, motion: CameraMotion::Node(at) });
             cameras.file_index.push(camera);

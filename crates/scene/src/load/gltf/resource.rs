@@ -2,10 +2,12 @@
 
 use std::{
     borrow::Cow,
-    fs::File,
-    io::{self, Read},
+    io,
     path::{Component, Path, PathBuf},
 };
+
+use sheer_core::text::quoted;
+use sheer_image::read_whole;
 
 use crate::SceneError;
 
@@ -14,21 +16,9 @@ const GLB_MAGIC: [u8; 4] = *b"glTF";
 const GLB_CHUNK_JSON: [u8; 4] = *b"JSON";
 const GLB_CHUNK_BIN: [u8; 4] = *b"BIN\0";
 
-/// Reads a regular file; a device or pipe, which may never end, is refused.
-pub(super) fn read_file(path: &Path) -> Result<Vec<u8>, SceneError> {
-    let read = || {
-        let mut file = File::open(path)?;
-        let metadata = file.metadata()?;
-        if !metadata.is_file() {
-            return Err(io::Error::new(io::ErrorKind::InvalidInput, "this is not a file"));
-        }
-        let mut bytes = Vec::new();
-        let length = usize::try_from(metadata.len()).map_err(|_| io::ErrorKind::OutOfMemory)?;
-        bytes.try_reserve_exact(length).map_err(|_| io::ErrorKind::OutOfMemory)?;
-        file.read_to_end(&mut bytes)?;
-        Ok(bytes)
-    };
-    read().map_err(|source| SceneError::Read { path: path.to_owned(), source })
+/// Reads a regular file of at most `most_bytes`; a device or pipe, which may never end, is refused.
+pub(super) fn read_file(path: &Path, most_bytes: u64) -> Result<Vec<u8>, SceneError> {
+    read_whole(path, most_bytes).map_err(|source| SceneError::Read { path: path.to_owned(), source })
 }
 
 /// Whether the bytes are a GLB container.
@@ -88,19 +78,30 @@ pub(super) fn is_data(uri: &str) -> bool {
 
 /// The bytes a URI stands for: inline data, or a file below `folder` or one of the `allowed` folders. The
 /// error says what is wrong and what to do.
-pub(super) fn read_uri(uri: &str, folder: &Path, allowed: &[PathBuf]) -> Result<Vec<u8>, UriError> {
+pub(super) fn read_uri(
+    uri: &str,
+    folder: &Path,
+    allowed: &[PathBuf],
+    most_bytes: u64,
+) -> Result<Vec<u8>, UriError> {
     if is_data(uri) {
         return decode_data_uri(&uri[5..]).map_err(UriError::Refused);
     }
     let path = path_of(uri, folder, allowed).map_err(UriError::Refused)?;
-    match read_file(&path) {
+    match read_file(&path, most_bytes) {
         Err(SceneError::Read { source, .. }) if source.kind() == io::ErrorKind::NotFound => {
             // Some exporters write names with a literal percent sign.
             let literal = path_of(&uri.replace('%', "%25"), folder, allowed).map_err(UriError::Refused)?;
-            read_file(&literal).map_err(|_| UriError::Unreadable(SceneError::Read { path, source }))
+            read_file(&literal, most_bytes)
+                .map_err(|_| UriError::Unreadable(SceneError::Read { path, source }))
         }
         result => result.map_err(UriError::Unreadable),
     }
+}
+
+/// The file that a URI means; none for inline data, or if it may not be read.
+pub(super) fn file_of(uri: &str, folder: &Path, allowed: &[PathBuf]) -> Option<PathBuf> {
+    (!is_data(uri)).then(|| path_of(uri, folder, allowed).ok()).flatten()
 }
 
 /// Why a URI gives no bytes.
@@ -113,7 +114,7 @@ pub(super) enum UriError {
 
 /// The file that a relative or absolute URI means, if it may be read.
 fn path_of(uri: &str, folder: &Path, allowed: &[PathBuf]) -> Result<PathBuf, String> {
-    let shown = shorten(uri);
+    let shown = quoted(uri);
     let local = uri.strip_prefix("file://").unwrap_or(uri);
     let has_scheme = local.split_once(':').is_some_and(|(scheme, _)| {
         scheme.chars().all(|letter| letter.is_ascii_alphanumeric() || "+-.".contains(letter))
@@ -241,15 +242,6 @@ fn decode_base64(text: &[u8]) -> Option<Vec<u8>> {
         }
     }
     Some(out)
-}
-
-/// A URI short enough for a message.
-fn shorten(uri: &str) -> String {
-    const LONGEST: usize = 80;
-    match uri.char_indices().nth(LONGEST) {
-        Some((end, _)) => format!("{}…", &uri[..end]),
-        None => uri.to_owned(),
-    }
 }
 
 #[cfg(test)]

@@ -1,0 +1,284 @@
+//! What a file will take in memory, counted before any of it is taken: a few bytes can ask for any number of
+//! vertices without data, copies of a mesh, or uses of an accessor.
+//!
+//! The counts are those that the file states, as far as its buffers, as long as they say they are, can hold
+//! them. What is wrong with them is said by whoever reads them.
+
+use std::collections::BTreeMap;
+
+use sheer_core::text::MemorySize;
+
+use super::{
+    document::Document,
+    mesh::MOST_UNUSED,
+    node::{self, Hierarchy},
+    schema::{self, Index, Primitive, Root},
+    topology::Topology,
+};
+use crate::{
+    SceneError,
+    cost::{self, Drawn},
+    frame::{LEAST_SHARED, Sharing},
+};
+
+/// Holds what the scene will take against the memory that is left.
+pub(super) fn check(document: &Document<'_>, hierarchy: &Hierarchy) -> Result<(), SceneError> {
+    if document.options.memory_limit.is_none() {
+        return Ok(());
+    }
+    let root = &document.root;
+    let counts = Counts { root };
+    let mut sum = Sum::default();
+
+    // Animations, and which nodes they move.
+    let mut moves = vec![false; root.nodes.len()];
+    for (index, animation) in root.animations.iter().enumerate() {
+        let place = || format!("animations[{index}]");
+        for channel in &animation.channels {
+            if let Some(moved) = channel.target.node.and_then(|node| moves.get_mut(node)) {
+                *moved = true;
+            }
+            if let Some(sampler) = animation.samplers.get(channel.sampler) {
+                sum.add(counts.keys(sampler), place);
+            }
+        }
+    }
+    let moves = hierarchy.with_descendants(moves);
+
+    // Skins: matrices as they are read and as they are kept.
+    for (index, skin) in root.skins.iter().enumerate() {
+        let matrices = skin.inverse_bind_matrices.map_or(0, |accessor| counts.elements(accessor));
+        let joints = 4 * skin.joints.len() as u64;
+        sum.add(matrices.saturating_mul(64 + 64).saturating_add(joints), || format!("skins[{index}]"));
+    }
+
+    // Meshes, each read once, and how many rigid copies there are of each.
+    let mut meshes: Vec<Option<MeshCost>> = Vec::new();
+    meshes.resize_with(root.meshes.len(), || None);
+    let drawn = || hierarchy.shown(document).filter_map(|(_, index, node)| Some((index, node, node.mesh?)));
+    for (_, node, mesh_index) in drawn() {
+        let Some(mesh) = root.meshes.get(mesh_index) else { continue };
+        let cost = meshes[mesh_index].get_or_insert_with(|| {
+            let cost = MeshCost::of(&counts, mesh);
+            sum.add(cost.stored_bytes, || format!("meshes[{mesh_index}]"));
+            cost
+        });
+        if node.skin.is_none() {
+            cost.rigid_copies = cost.rigid_copies.saturating_add(counts.copies(node));
+        }
+    }
+
+    // Copies, or instances that share their triangles where that saves enough of them.
+    let saved =
+        |cost: &MeshCost| cost.rigid_copies.saturating_sub(1).saturating_mul(cost.shareable_triangles);
+    let all_saved = meshes.iter().flatten().map(saved).fold(0, u64::saturating_add);
+    let shares = all_saved >= Sharing::default().least_saved;
+    for (mesh_index, cost) in meshes.iter().enumerate() {
+        if let Some(cost) = cost.as_ref().filter(|cost| shares && cost.rigid_copies > 1) {
+            sum.add(cost.shared_bytes, || format!("meshes[{mesh_index}]"));
+        }
+    }
+    for (index, node, mesh_index) in drawn() {
+        let Some(cost) = meshes.get(mesh_index).and_then(Option::as_ref) else { continue };
+        let is_shared = shares && node.skin.is_none() && cost.rigid_copies > 1;
+        let each = if is_shared { &cost.instance_bytes } else { &cost.copy_bytes };
+        let each = each[usize::from(moves[index] || node.skin.is_some())];
+        sum.add(counts.copies(node).saturating_mul(each), || node::place(index));
+    }
+
+    let left = document.memory_left();
+    if sum.bytes <= left {
+        return Ok(());
+    }
+    let [all, here, left] = [sum.bytes, sum.largest.0, left].map(MemorySize);
+    let problem = format!(
+        "the scene takes about {all} of memory, {here} of it here, and {left} are left of the limit; simplify it, or raise --memory-limit"
+    );
+    Err(document.limit(sum.largest.1, problem))
+}
+
+/// What JSON takes when it is parsed.
+pub(super) fn parsed_bytes(json: &[u8]) -> u64 {
+    // An object may become the largest struct of the schema, in a list that doubles as it grows.
+    json_bytes(json, 1400, 32)
+}
+
+/// What JSON takes as a tree of values.
+pub(super) fn tree_bytes(json: &[u8]) -> u64 {
+    // A node of a map has room for eleven keys and values; lists double as they grow.
+    json_bytes(json, 700, 64)
+}
+
+/// What JSON takes of which each object and each value in a list or an object takes so much, and texts what
+/// they are long.
+fn json_bytes(json: &[u8], object_bytes: u64, value_bytes: u64) -> u64 {
+    let (mut objects, mut values) = (0_u64, 0_u64);
+    let (mut in_text, mut escaped) = (false, false);
+    for &byte in json {
+        match byte {
+            _ if escaped => escaped = false,
+            b'\\' => escaped = in_text,
+            b'"' => in_text = !in_text,
+            b'{' if !in_text => objects += 1,
+            b',' | b'[' if !in_text => values += 1,
+            _ => {}
+        }
+    }
+    json.len() as u64 + objects * object_bytes + values * value_bytes
+}
+
+/// What has been counted, and the largest part of it.
+#[derive(Default)]
+struct Sum {
+    bytes: u64,
+    largest: (u64, String),
+}
+
+impl Sum {
+    fn add(&mut self, bytes: u64, place: impl FnOnce() -> String) {
+        self.bytes = self.bytes.saturating_add(bytes);
+        if bytes > self.largest.0 {
+            self.largest = (bytes, place());
+        }
+    }
+}
+
+/// A mesh in numbers, of those that stay and of those that move.
+struct MeshCost {
+    /// What it takes itself, however often it is drawn.
+    stored_bytes: u64,
+    /// What each copy takes.
+    copy_bytes: [u64; 2],
+    /// What each instance takes where they share their triangles, and what these triangles take.
+    instance_bytes: [u64; 2],
+    shared_bytes: u64,
+    shareable_triangles: u64,
+    /// How many there are without a skin.
+    rigid_copies: u64,
+}
+
+impl MeshCost {
+    fn of(counts: &Counts<'_>, mesh: &schema::Mesh) -> Self {
+        let mut cost = Self {
+            stored_bytes: 0,
+            copy_bytes: [0; 2],
+            instance_bytes: [0; 2],
+            shared_bytes: 0,
+            shareable_triangles: 0,
+            rigid_copies: 0,
+        };
+        let mut most_unused = 0;
+        for primitive in mesh.primitives.iter().map(|primitive| counts.primitive(primitive)) {
+            cost.stored_bytes = cost.stored_bytes.saturating_add(primitive.stored_bytes);
+            most_unused = most_unused.max(primitive.read_bytes - primitive.stored_bytes);
+            let bytes = [false, true].map(|is_moved| {
+                let how = Drawn { moves: primitive.deforms || is_moved, is_opaque: primitive.is_opaque };
+                cost::of_object(primitive.triangles, how)
+            });
+            let is_shareable = !primitive.deforms && primitive.triangles >= LEAST_SHARED as u64;
+            if is_shareable {
+                cost.shareable_triangles = cost.shareable_triangles.saturating_add(primitive.triangles);
+                cost.shared_bytes = cost.shared_bytes.saturating_add(bytes[0]);
+            }
+            for (at, bytes) in bytes.into_iter().enumerate() {
+                let instance = if is_shareable { cost::of_object(0, Drawn::default()) } else { bytes };
+                cost.copy_bytes[at] = cost.copy_bytes[at].saturating_add(bytes);
+                cost.instance_bytes[at] = cost.instance_bytes[at].saturating_add(instance);
+            }
+        }
+        cost.stored_bytes = cost.stored_bytes.saturating_add(most_unused);
+        cost
+    }
+}
+
+/// A primitive in numbers.
+struct PrimitiveCost {
+    triangles: u64,
+    /// What it takes while it is read.
+    read_bytes: u64,
+    /// What it takes itself, however often it is drawn.
+    stored_bytes: u64,
+    deforms: bool,
+    is_opaque: bool,
+}
+
+/// The numbers of a file.
+struct Counts<'r> {
+    root: &'r Root,
+}
+
+impl Counts<'_> {
+    /// How often the mesh of a node is drawn there.
+    fn copies(&self, node: &schema::Node) -> u64 {
+        node.extensions.instancing.as_ref().map_or(1, |instancing| {
+            instancing.attributes.values().map(|&accessor| self.elements(accessor)).max().unwrap_or(1)
+        })
+    }
+
+    fn primitive(&self, primitive: &Primitive) -> PrimitiveCost {
+        let elements = |attributes: &BTreeMap<String, Index>, name: &str| {
+            attributes.get(name).map_or(0, |&accessor| self.elements(accessor))
+        };
+        let vertices = elements(&primitive.attributes, "POSITION");
+        let listed = primitive.indices.map(|accessor| self.elements(accessor));
+        let corners = listed.unwrap_or(vertices);
+        let topology = Topology::from_code(primitive.mode.unwrap_or(4)).ok();
+        let count = usize::try_from(corners).unwrap_or(usize::MAX);
+        let triangles = topology.map_or(0, |topology| topology.triangle_count(count) as u64);
+
+        // Vectors of floats, as they are in memory; joints and weights are read as such and put together.
+        let attribute = |(name, &accessor): (&String, &Index)| {
+            let bytes_each = match name.split('_').next() {
+                Some("POSITION" | "NORMAL") => 12,
+                Some("TEXCOORD") => 8,
+                Some("TANGENT" | "COLOR") => 16,
+                Some("JOINTS" | "WEIGHTS") => 32,
+                _ => 0,
+            };
+            let elements = self.elements(accessor);
+            [elements, elements.min(triangles.saturating_mul(3).saturating_add(MOST_UNUSED as u64))]
+                .map(|count| count.saturating_mul(bytes_each))
+        };
+        let targets = primitive.targets.iter().flatten();
+        let attributes = primitive.attributes.iter().chain(targets).map(attribute);
+        // Vertices that no triangle has are read, and left out.
+        let indices = corners.saturating_mul(4).saturating_add(triangles.saturating_mul(12));
+        let [read_bytes, stored_bytes] = attributes.fold([indices; 2], |sums, bytes| {
+            [sums[0].saturating_add(bytes[0]), sums[1].saturating_add(bytes[1])]
+        });
+
+        let material = primitive.material.and_then(|index| self.root.materials.get(index));
+        let deforms = !primitive.targets.is_empty() || primitive.attributes.contains_key("JOINTS_0");
+        PrimitiveCost {
+            triangles,
+            read_bytes,
+            stored_bytes,
+            deforms,
+            is_opaque: material.is_none_or(is_opaque),
+        }
+    }
+
+    /// Times and values of an animation.
+    fn keys(&self, sampler: &schema::AnimationSampler) -> u64 {
+        // Weights are a list for each key.
+        let values = self.elements(sampler.output).saturating_mul(16 + 24);
+        self.elements(sampler.input).saturating_mul(4).saturating_add(values)
+    }
+
+    /// How many elements an accessor states, or its buffer can hold at most.
+    fn elements(&self, accessor: Index) -> u64 {
+        let Some(accessor) = self.root.accessors.get(accessor) else { return 0 };
+        let stated = accessor.count as u64;
+        let view = accessor.buffer_view.and_then(|view| self.root.buffer_views.get(view));
+        match view.filter(|view| view.extensions.meshopt.is_none()) {
+            // An element takes a byte at least.
+            Some(view) => stated.min(view.byte_length as u64),
+            None => stated,
+        }
+    }
+}
+
+fn is_opaque(material: &schema::Material) -> bool {
+    matches!(material.alpha_mode.as_deref(), None | Some("OPAQUE"))
+        && material.extensions.transmission.is_none()
+}
