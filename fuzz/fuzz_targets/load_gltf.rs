@@ -5,8 +5,11 @@
 use std::path::Path;
 
 use libfuzzer_sys::fuzz_target;
+use sheer_core::text::MemorySize;
+use sheer_scene::LoadOptions;
 
 fuzz_target!(|bytes: &[u8]| {
+    let options = LoadOptions { memory_limit: Some(MemorySize(1 << 30)), ..LoadOptions::default() };
     // The folder does not exist: files beside the input are never there.
-    let _ = sheer_scene::load::read_gltf(bytes, Path::new("nowhere/input.glb"));
+    let _ = sheer_scene::load::read_gltf(bytes, Path::new("nowhere/input.glb"), &options);
 });

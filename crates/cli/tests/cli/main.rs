@@ -5,6 +5,7 @@ mod calibrate;
 mod compare;
 mod experiments;
 mod gpu;
+mod hostile;
 mod interruption;
 mod light;
 // The browser is talked to over descriptors that a shell hands on.
