@@ -50,6 +50,7 @@ fn a_missing_image_costs_the_textures_that_show_it() {
             "baseColorFactor": [0.2, 0.4, 0.6, 0.5],
             "baseColorTexture": {"index": lost},
             "metallicRoughnessTexture": {"index": found},
+            "metallicFactor": 0,
         },
         "normalTexture": {"index": lost},
         "alphaMode": "BLEND",
