@@ -10,7 +10,7 @@
 use glam::Vec2;
 use sheer_accel::{Hit, Ray};
 use sheer_image::{DisplayShare, Image};
-use sheer_scene::{PixelBeam, Scene, model::ShadingModel};
+use sheer_scene::{CameraRay, PixelBeam, Scene, model::ShadingModel};
 
 use crate::{
     contract::{MIN_ALPHA, MIN_VISIBILITY},
@@ -132,12 +132,13 @@ impl<'a> Probe<'a> {
     /// What the ray through a place in a pixel, `within` from its upper left corner, sees of each kind.
     fn seen(&self, x: u32, y: u32, within: Vec2) -> Seen {
         let frame = self.stage.frame();
-        let ray = frame.camera().ray(Vec2::new(x as f32, y as f32) + within, self.size);
-        let ray = Ray { origin: ray.origin, direction: ray.direction, t_min: 0.0, t_max: f32::INFINITY };
+        let CameraRay { origin, direction, nearest, furthest } =
+            frame.camera().ray(Vec2::new(x as f32, y as f32) + within, self.size);
+        let ray = Ray { origin, direction, t_min: nearest, t_max: furthest };
 
         // All that is visible up to the first opaque surface, front to back.
         let mut hits: Vec<(Hit, f32)> = Vec::new();
-        let mut t_opaque = f32::INFINITY;
+        let mut t_opaque = furthest;
         self.stage.bvh().traverse(&ray, |hit| {
             let width = self.beam.width_at(hit.t);
             let alpha = frame.opacity_for_camera(hit.triangle, hit.u, hit.v, hit.front, width);

@@ -17,6 +17,10 @@ const SCALE: f32 = 8.0;
 /// Upright rectangles of height 1 before a camera at +Z: left and right edge, depth, model and opacity of
 /// each.
 fn stage(cards: &[(f32, f32, f32, ShadingModel, f32)]) -> Stage {
+    clipped(cards, ClipPlanes::NONE)
+}
+
+fn clipped(cards: &[(f32, f32, f32, ShadingModel, f32)], clip: ClipPlanes) -> Stage {
     let mut parts = SceneParts { name: "cards".into(), exposure: 1.0, ..SceneParts::default() };
     parts.nodes.push(Node { name: String::new(), parent: None, transform: Transform::IDENTITY });
     for (index, &(left, right, z, model, alpha)) in (0..).zip(cards) {
@@ -48,7 +52,7 @@ fn stage(cards: &[(f32, f32, f32, ShadingModel, f32)]) -> Stage {
     parts.cameras.push(Camera {
         name: "front".into(),
         lens: Lens::Orthographic { half_height: 1.0 },
-        clip: ClipPlanes::NONE,
+        clip,
         motion: CameraMotion::Path { keys: vec![key] },
     });
     Stage::new(Scene::new(parts).unwrap(), &CameraChoice::Default, Some(1)).unwrap()
@@ -119,4 +123,14 @@ fn edges_have_the_share_of_their_area() {
     assert_eq!(shares(&stage, WHITE, Antialiasing::ACCUMULATE)[at_edge], 0.25);
     // Without anti-aliasing there is one sample, as in the picture.
     assert_eq!(shares(&stage, WHITE, Antialiasing::NONE)[at_edge], 0.0);
+}
+
+#[test]
+fn what_the_clipping_planes_cut_off_has_no_share() {
+    // The camera stands at 4: a lit card at 1, an unlit one at 0, a lit one at -2.
+    let cards = [(-1.0, 1.0, 1.0, LIT, 0.5), (-1.0, 1.0, 0.0, UNLIT, 0.5), (-1.0, 1.0, -2.0, LIT, 1.0)];
+    let share = |clip| shares(&clipped(&cards, clip), Background::None, Antialiasing::NONE)[pixel(0.0)];
+    assert_eq!(share(ClipPlanes::NONE), 0.25);
+    assert_eq!(share(ClipPlanes { near: 3.5, far: f32::INFINITY }), 0.5);
+    assert_eq!(share(ClipPlanes { near: 3.5, far: 5.0 }), 1.0);
 }
