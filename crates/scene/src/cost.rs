@@ -9,7 +9,7 @@ const TRIANGLE_BYTES: u64 = 200;
 /// Bytes more of one that is not opaque all over: an entry of 56 in a list that doubles as it grows.
 const OPACITY_BYTES: u64 = 112;
 /// Bytes more of one that moves: where it was, twice while that is found out, in lists that double.
-const MOTION_BYTES: u64 = 100;
+const MOTION_BYTES: u64 = 120;
 /// Bytes of an object: its entry in the scene, that in the frame, and a vector of weights.
 const OBJECT_BYTES: u64 = 400;
 

@@ -33,7 +33,7 @@ use End::{Any, BeyondLimit, Error, Picture};
 pub(super) const FILES: &[Hostile] = &[
     // By count: what has no data costs nothing to ask for.
     Hostile { name: "zeros.gltf", make: zeros, end: BeyondLimit("nodes[0]") },
-    Hostile { name: "zeros-instanced.gltf", make: zeros_instanced, end: BeyondLimit("nodes[0]") },
+    Hostile { name: "zeros-instanced.gltf", make: zeros_instanced, end: BeyondLimit("meshes[0]") },
     Hostile { name: "endless.gltf", make: endless, end: BeyondLimit("meshes[0]") },
     Hostile { name: "sparse.gltf", make: sparse, end: BeyondLimit("nodes[0]") },
     Hostile { name: "keys.gltf", make: keys, end: BeyondLimit("animations[0]") },
