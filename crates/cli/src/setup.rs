@@ -102,14 +102,14 @@ impl SceneArguments {
         file_name_from(stem.split(':').next().unwrap_or_default())
     }
 
-    /// Loads the scene.
-    pub(crate) fn load(&self, console: Console) -> anyhow::Result<Arc<Scene>> {
+    /// Loads the scene, to be seen in pictures of `size` pixels.
+    pub(crate) fn load(&self, size: [u32; 2], console: Console) -> anyhow::Result<Arc<Scene>> {
         memory::start(&self.text);
         let loaded = sheer_gallery::open_with(&self.text, &self.load.options())?;
         for warning in &loaded.warnings {
             console.warn(format_args!("{}: {warning}", self.text));
         }
-        let scene = self.surrounded(loaded.scene)?;
+        let scene = self.surrounded(loaded.scene)?.framed_for(size);
         Ok(Arc::new(match self.alpha {
             Some(alpha) => scene.with_alpha(alpha),
             None => scene,
@@ -128,14 +128,15 @@ impl SceneArguments {
         Ok(scene.with_environment(environment.scaled(self.environment_strength)))
     }
 
-    /// Loads the scene and builds what rendering needs.
+    /// Loads the scene and builds what rendering pictures of `size` pixels needs.
     pub(crate) fn open<B: Backend>(
         &self,
         backend: &B,
+        size: [u32; 2],
         machine: MachineArguments,
         console: Console,
     ) -> anyhow::Result<Opened<B::Stage>> {
-        let scene = self.load(console)?;
+        let scene = self.load(size, console)?;
         let camera = self.camera.clone().unwrap_or_default();
         let stage = backend
             .stage(Arc::clone(&scene), &camera, machine.threads)

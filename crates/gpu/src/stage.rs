@@ -21,8 +21,9 @@ use glam::Vec3;
 use rayon::{ThreadPool, ThreadPoolBuilder, prelude::*};
 use sheer_image::DisplayShare;
 use sheer_render::{
-    Antialiasing, LIFT, Moment, RenderError, Settings, Stage,
+    Antialiasing, Moment, RenderError, Settings, Stage,
     cpu::{depth_range, display_share, uniform_display_share},
+    lift,
 };
 use sheer_scene::{Animator, CameraChoice, CameraPose, Frame, Scene, Sharing};
 
@@ -58,7 +59,7 @@ fn bounds_of(triangles: &[[Vec3; 3]]) -> Option<[Vec3; 2]> {
 
 impl Extent {
     fn new(frame: &Frame) -> Self {
-        let lift = LIFT * frame.scene().bounding_sphere().1;
+        let lift = lift(frame.scene());
         let still = bounds_of(&frame.triangles()[..frame.static_count()]);
         let mut extent = Self { lift, still, bounds: None };
         extent.update(frame);
@@ -86,7 +87,7 @@ impl Extent {
         let furthest = (low - camera.eye()).abs().max((high - camera.eye()).abs()).length();
         // The rays of an orthographic camera start beside the eye.
         let furthest = 2.0 * (furthest + (high - low).length());
-        furthest.max(1e-6).log2().ceil().exp2()
+        furthest.max(f32::MIN_POSITIVE).log2().ceil().exp2()
     }
 }
 

@@ -41,7 +41,7 @@ pub use crate::{
     pipeline::Pipeline,
     settings::{Background, FrameSettings, LayerSplit, Settings},
     shadow::Shadow,
-    stage::{LIFT, Moment, Stage},
+    stage::{Moment, Stage, lift},
     temporal::Antialiasing,
 };
 

@@ -35,7 +35,15 @@ pub struct Stage {
 
 /// Share of the scene's radius by which shadow rays are lifted off their surface. At a few times the rounding
 /// error of a hit point.
-pub const LIFT: f32 = 1e-5;
+const LIFT: f32 = 1e-5;
+
+/// How far the rays that start on a surface of a scene are lifted off it, world units. Of a scene that lies
+/// far from the origin for its size it is the rounding error of its coordinates that counts.
+#[must_use]
+pub fn lift(scene: &Scene) -> f32 {
+    let (centre, radius) = scene.bounding_sphere();
+    (LIFT * radius).max(4.0 * f32::EPSILON * centre.abs().max_element())
+}
 
 impl Stage {
     /// Prepares a scene at time zero. `threads`: how many to use, all the processor's by default.
@@ -63,7 +71,7 @@ impl Stage {
         let scene = scene.into();
         let camera = scene.camera(camera)?;
         let pool = ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).build()?;
-        let lift = LIFT * scene.bounding_sphere().1;
+        let lift = lift(&scene);
         let start = Instant::now();
         let (animator, bvh, shared_meshes) = pool.install(|| {
             let animator = Animator::with_sharing(scene, camera, sharing);

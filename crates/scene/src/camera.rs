@@ -65,6 +65,11 @@ pub enum Lens {
 pub enum CameraMotion {
     /// It hangs on a node, animated or not.
     Node(u32),
+    /// It stands still.
+    Still {
+        /// Rigid; the camera looks along its own -Z, +Y is up.
+        world_from_camera: Affine3A,
+    },
     /// A smooth path through keys: a cubic Hermite spline whose tangents are finite differences, held before
     /// the first key and after the last.
     Path {
@@ -161,6 +166,9 @@ impl Camera {
     pub fn pose_on_rails(&self, time_secs: f32) -> Option<CameraPose> {
         match &self.motion {
             CameraMotion::Node(_) => None,
+            CameraMotion::Still { world_from_camera } => {
+                Some(CameraPose { world_from_camera: *world_from_camera, lens: self.lens })
+            }
             CameraMotion::Path { keys } => {
                 let (eye, target) = along_path(keys, time_secs);
                 Some(CameraPose { clip: self.clip, ..CameraPose::looking_at(self.lens, eye, target) })

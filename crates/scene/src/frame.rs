@@ -35,7 +35,7 @@ pub(crate) use instances::LEAST_SHARED;
 use property::Properties;
 
 pub use animator::Animator;
-pub(crate) use deform::for_each_vertex_at_rest;
+pub(crate) use deform::for_each_vertex_over_time;
 pub use footprint::{HEAD_ON, LEAST_GRAZING};
 pub use instances::{MeshInstance, Sharing};
 pub(crate) use pose::camera_pose;

@@ -124,6 +124,16 @@ impl<T: Interpolate> Keys<T> {
 }
 
 impl Track {
+    /// Times of the keys, seconds.
+    #[must_use]
+    pub fn times_secs(&self) -> &[f32] {
+        match self {
+            Self::Translation(keys) | Self::Scale(keys) => &keys.times_secs,
+            Self::Rotation(keys) => &keys.times_secs,
+            Self::MorphWeights(keys) => &keys.times_secs,
+        }
+    }
+
     /// Time of the last key, seconds; 0 without keys.
     #[must_use]
     pub fn end_secs(&self) -> f32 {

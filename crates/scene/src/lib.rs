@@ -10,6 +10,7 @@ mod cost;
 pub mod environment;
 mod error;
 mod frame;
+mod framing;
 mod keys;
 pub mod load;
 pub mod model;

@@ -6,9 +6,10 @@ use glam::{Affine3A, Vec3};
 
 use crate::{
     SceneError,
-    camera::{Camera, CameraKey, CameraMotion, Lens},
+    camera::{Camera, CameraMotion, CameraPose, Lens},
     content_hash,
     environment::Environment,
+    framing::framing_camera,
     model::{AlphaMode, Keys, Mesh, Property, SceneParts, Track, Transform},
     texture::{MipChain, Sampler, samplers},
 };
@@ -22,6 +23,8 @@ pub struct Scene {
     bounds: [Vec3; 2],
     /// Samplers, one for each texture of the parts.
     samplers: Vec<Sampler>,
+    /// Width of the picture by its height, for which a view is made up.
+    aspect: f32,
 }
 
 /// Which camera to look through (`--camera`).
@@ -38,14 +41,10 @@ pub enum CameraChoice {
     Named(String),
 }
 
-/// Vertical field of view of the view that is made up where a scene has no camera: that of a 50 mm lens would
-/// be 27°; a little wider shows more of the form.
-const FALLBACK_YFOV_RAD: f32 = 0.6;
-/// Share of the picture's height and width that is filled, and the picture's shape: that of the default size.
-const FRAME_FILL: f32 = 0.88;
-const FRAME_ASPECT: f32 = 16.0 / 9.0;
-/// A scene whose depth or height is less than this share of its other sides is flat.
-const FLAT: f32 = 0.25;
+/// The shape of a picture for which a view is made up unless the caller says: that of the default size.
+const DEFAULT_ASPECT: f32 = 16.0 / 9.0;
+/// Of a sphere around a point: what is reckoned from it does not vanish.
+const LEAST_RADIUS: f32 = 1e-20;
 
 impl Scene {
     /// Validates the parts and prepares lookups into their textures.
@@ -60,7 +59,7 @@ impl Scene {
         })?;
         let bounds = bounds_at_rest(&parts);
         let samplers = samplers(&parts);
-        Ok(Self { parts, bounds, samplers })
+        Ok(Self { parts, bounds, samplers, aspect: DEFAULT_ASPECT })
     }
 
     pub(crate) fn samplers(&self) -> &[Sampler] {
@@ -91,11 +90,27 @@ impl Scene {
         content_hash::of_parts(&self.parts)
     }
 
-    /// Centre and radius of a sphere around everything at rest.
+    /// Lowest and highest corner of a box around everything at rest, world; the cube of side 1 around the
+    /// origin if there is nothing.
+    #[must_use]
+    pub fn bounds(&self) -> [Vec3; 2] {
+        self.bounds
+    }
+
+    /// Centre and radius of a sphere around everything at rest; the radius is positive.
     #[must_use]
     pub fn bounding_sphere(&self) -> (Vec3, f32) {
         let [low, high] = self.bounds;
-        (0.5 * (low + high), (0.5 * (high - low).length()).max(1e-6))
+        // Halves first: the sum of two large numbers may be none.
+        (0.5 * low + 0.5 * high, (0.5 * high - 0.5 * low).length().max(LEAST_RADIUS))
+    }
+
+    /// The same scene, whose default view, where it has no camera, fills a picture of `width` by `height`
+    /// pixels.
+    #[must_use]
+    pub fn framed_for(mut self, [width, height]: [u32; 2]) -> Self {
+        self.aspect = width.max(1) as f32 / height.max(1) as f32;
+        self
     }
 
     /// The same scene with every material's opacity set to `alpha`, 0 to 1: opaque surfaces become that
@@ -153,9 +168,7 @@ impl Scene {
                 if name == "static" {
                     let mut camera = self.default_camera();
                     let pose = crate::frame::camera_pose(&self.parts, &camera, 0.0);
-                    let (eye, target) = (pose.eye(), pose.eye() + pose.forward());
-                    camera.motion =
-                        CameraMotion::Path { keys: vec![CameraKey { time_secs: 0.0, eye, target }] };
+                    camera.motion = CameraMotion::Still { world_from_camera: pose.world_from_camera };
                     return Ok(camera);
                 }
                 let mut names: Vec<&str> =
@@ -171,36 +184,15 @@ impl Scene {
         }
     }
 
-    fn default_camera(&self) -> Camera {
-        self.parts.cameras.first().cloned().unwrap_or_else(|| self.framing_camera())
+    /// Where a camera of the scene is at a time.
+    #[must_use]
+    pub fn pose(&self, camera: &Camera, time_secs: f32) -> CameraPose {
+        crate::frame::camera_pose(&self.parts, camera, time_secs)
     }
 
-    /// A view of the whole scene at rest: three-quarter, from further in front of what is flat like a board,
-    /// from further above what is flat like a floor.
-    fn framing_camera(&self) -> Camera {
-        let [low, high] = self.bounds;
-        let centre = 0.5 * (low + high);
-        let extent = high - low;
-        let direction = if extent.z < FLAT * extent.x.max(extent.y) {
-            Vec3::new(0.22, 0.12, 1.0)
-        } else if extent.y < FLAT * extent.x.max(extent.z) {
-            Vec3::new(0.4, 0.9, 1.0)
-        } else {
-            Vec3::new(0.55, 0.42, 1.0)
-        };
-        let back = direction.normalize();
-        let right = Vec3::Y.cross(back).normalize();
-        let up = back.cross(right);
-        // As near as every vertex allows.
-        let half_height = FRAME_FILL * (0.5 * FALLBACK_YFOV_RAD).tan();
-        let half_width = half_height * FRAME_ASPECT;
-        let mut distance = 1e-6_f32;
-        for_each_point_at_rest(&self.parts, &mut |point| {
-            let offset = point - centre;
-            let beside = (offset.dot(right).abs() / half_width).max(offset.dot(up).abs() / half_height);
-            distance = distance.max(offset.dot(back) + beside);
-        });
-        Camera::fixed("static", FALLBACK_YFOV_RAD, centre + back * distance, centre)
+    fn default_camera(&self) -> Camera {
+        let first = self.parts.cameras.first();
+        first.cloned().unwrap_or_else(|| framing_camera(&self.parts, self.aspect))
     }
 }
 
@@ -454,6 +446,9 @@ fn validate_view(parts: &SceneParts) -> Result<(), Fault> {
             CameraMotion::Node(node) => {
                 check((*node as usize) < parts.nodes.len(), place, "its node is not there")?;
             }
+            CameraMotion::Still { world_from_camera } => {
+                check(world_from_camera.is_finite(), place, "its place is not finite")?;
+            }
             CameraMotion::Path { keys } => {
                 let in_order = keys.windows(2).all(|pair| pair[0].time_secs < pair[1].time_secs);
                 check(!keys.is_empty() && in_order, place, "its path has no keys, or they are not in order")?;
@@ -479,6 +474,6 @@ fn bounds_at_rest(parts: &SceneParts) -> [Vec3; 2] {
 
 /// Calls `visit` with each vertex at time zero and each particle's origin, in world.
 fn for_each_point_at_rest(parts: &SceneParts, visit: &mut impl FnMut(Vec3)) {
-    crate::frame::for_each_vertex_at_rest(parts, visit);
+    crate::frame::for_each_vertex_over_time(parts, &[0.0], visit);
     parts.particles.iter().flat_map(|system| &system.particles).for_each(|particle| visit(particle.origin));
 }

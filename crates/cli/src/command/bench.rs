@@ -34,7 +34,7 @@ fn bench<B: Backend>(arguments: &BenchArguments, backend: &B) -> anyhow::Result<
     let settings = arguments.light.under(arguments.frames.settings(DEFAULT_SIZE));
     let frame_count = arguments.frames.frames;
     let methods = without_repeats(&arguments.methods);
-    let mut opened = arguments.scene.open(backend, arguments.machine, console)?;
+    let mut opened = arguments.scene.open(backend, settings.size, arguments.machine, console)?;
     let timeline = Timeline::of(&settings, Antialiasing::NONE, frame_count);
     let antialiasings = without_repeats(&arguments.antialiasings);
     let contestants: Vec<_> =

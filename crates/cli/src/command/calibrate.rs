@@ -46,7 +46,7 @@ fn calibrate<B: Backend>(arguments: &CalibrateArguments, backend: &B) -> anyhow:
     let file = arguments.output.as_deref().map(TextOutput::open).transpose()?;
 
     let scene = SceneArguments::of("calibration");
-    let mut opened = scene.open(backend, arguments.machine, console)?;
+    let mut opened = scene.open(backend, settings.size, arguments.machine, console)?;
     let mut pipeline = backend.pipeline(method, *antialiasing, settings)?;
     backend.notes(&pipeline).iter().for_each(|note| console.warn(note));
     let frames = arguments.frames.frames;

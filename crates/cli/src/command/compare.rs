@@ -49,7 +49,7 @@ fn compare<B: Backend>(arguments: &CompareArguments, backend: &B) -> anyhow::Res
     let antialiasings = without_repeats(&arguments.antialiasings);
     let references = without_repeats(&arguments.references);
     let mut truth = truth(&references, settings)?;
-    let mut opened = arguments.scene.open(backend, arguments.machine, console)?;
+    let mut opened = arguments.scene.open(backend, settings.size, arguments.machine, console)?;
 
     // All methods play the clip, once under each anti-aliasing; they share the truth.
     let mut measured = Vec::new();

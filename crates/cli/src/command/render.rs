@@ -45,7 +45,7 @@ fn render<B: Backend>(arguments: &RenderArguments, backend: &B) -> anyhow::Resul
         bail!("{}: --raw writes .exr files alone, give the output that ending", path.display());
     }
 
-    let mut stage = arguments.scene.open(backend, arguments.machine, console)?.stage;
+    let mut stage = arguments.scene.open(backend, settings.size, arguments.machine, console)?.stage;
     let mut pipeline = backend.pipeline(&arguments.method, antialiasing, settings)?;
     backend.notes(&pipeline).iter().for_each(|note| console.warn(note));
     let metadata = setup::metadata(backend, &arguments.scene, &arguments.method, antialiasing, &settings);
@@ -88,6 +88,12 @@ fn render<B: Backend>(arguments: &RenderArguments, backend: &B) -> anyhow::Resul
         Ok(())
     })?;
     drop(bar);
+    if tally.shaded() == 0.0 {
+        console.warn(format_args!(
+            "{}: nothing is in the picture; look from elsewhere (--camera static, orbit or one of the file's) or at another --time, `sheer inspect` tells what there is and where",
+            arguments.scene.text,
+        ));
+    }
 
     let [width, height] = settings.size;
     let pixels = f64::from(width) * f64::from(height);

@@ -9,7 +9,7 @@ use sheer_lab::{
 };
 
 use crate::{
-    args::{SceneArguments, VerifyArguments},
+    args::{DEFAULT_SIZE, SceneArguments, VerifyArguments},
     console::Console,
     failure::Misuse,
     output::{self, TextOutput},
@@ -63,7 +63,7 @@ fn hold(gpu: &GpuBackend, arguments: &VerifyArguments, console: Console) -> anyh
             load: arguments.load.clone(),
             ..SceneArguments::of(&text)
         };
-        anyhow::Ok((scene.text.clone(), scene.load(console)?))
+        anyhow::Ok((scene.text.clone(), scene.load(DEFAULT_SIZE.0, console)?))
     };
     let asked = Twins {
         scenes: without_repeats(&arguments.scenes).into_iter().map(load).collect::<Result<_, _>>()?,

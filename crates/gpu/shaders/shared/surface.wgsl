@@ -106,7 +106,10 @@ fn surface_at(hit: Hit, beam: Beam) -> Surface {
     let object = triangles[triangle].x;
     let material = objects[object].material;
     let front = is_front(triangle, hit.front);
-    let winding_normal = normalize_or(cross(corners[1] - corners[0], corners[2] - corners[0]), vec3f(0.0));
+    let to_b = corners[1] - corners[0];
+    let to_c = corners[2] - corners[0];
+    let power = evening_power(to_b, to_c);
+    let winding_normal = normalize_or(cross(to_b * power, to_c * power), vec3f(0.0));
     let geometric_normal = select(-winding_normal, winding_normal, hit.front);
     // The outward normal is that of the front side.
     let outward = select(-geometric_normal, geometric_normal, front);
@@ -211,10 +214,19 @@ fn texture_size(texture: u32) -> vec2f {
     return vec2f(textures[texture].size);
 }
 
+// A power of two that brings the largest component of two vectors to between 1 and 2.
+fn evening_power(a: vec3f, b: vec3f) -> f32 {
+    let largest = max(abs(a), abs(b));
+    let bits = bitcast<u32>(max(largest.x, max(largest.y, largest.z))) & 0x7f800000u;
+    return bitcast<f32>(0x7f000000u - min(bits, 0x7f000000u));
+}
+
 // Where a beam meets a triangle.
 fn ellipse_of(corners: array<vec3f, 3>, beam: Beam) -> Ellipse {
-    let to_b = corners[1] - corners[0];
-    let to_c = corners[2] - corners[0];
+    let power = evening_power(corners[1] - corners[0], corners[2] - corners[0]);
+    let to_b = (corners[1] - corners[0]) * power;
+    let to_c = (corners[2] - corners[0]) * power;
+    let width = beam.width * power;
     let area_normal = cross(to_b, to_c);
     let square = dot(area_normal, area_normal);
     let normal = area_normal * (1.0 / sqrt(square));
@@ -228,8 +240,8 @@ fn ellipse_of(corners: array<vec3f, 3>, beam: Beam) -> Ellipse {
     let stretch = 1.0 / max(abs(dot(normal, beam.direction)), LEAST_GRAZING);
     let to_edges = 1.0 / square;
     return Ellipse(
-        in_edges(along * (beam.width * stretch), to_b, to_c, area_normal) * to_edges,
-        in_edges(across * beam.width, to_b, to_c, area_normal) * to_edges,
+        in_edges(along * (width * stretch), to_b, to_c, area_normal) * to_edges,
+        in_edges(across * width, to_b, to_c, area_normal) * to_edges,
     );
 }
 
@@ -255,14 +267,15 @@ fn footprint_of(ellipse: Ellipse, uvs: array<vec2f, 3>, size: vec2f) -> Footprin
 // Texels along a world unit of a triangle whose corners have texture coordinates, in a texture of a size; 0
 // for a triangle without an area.
 fn texel_density(corners: array<vec3f, 3>, uvs: array<vec2f, 3>, size: vec2f) -> f32 {
-    let area = length(cross(corners[1] - corners[0], corners[2] - corners[0]));
+    let power = evening_power(corners[1] - corners[0], corners[2] - corners[0]);
+    let area = length(cross((corners[1] - corners[0]) * power, (corners[2] - corners[0]) * power));
     let to_b = uvs[1] - uvs[0];
     let to_c = uvs[2] - uvs[0];
     let uv_area = abs(to_b.x * to_c.y - to_b.y * to_c.x);
     if !(area > 0.0) {
         return 0.0;
     }
-    return sqrt(uv_area * size.x * size.y / area);
+    return sqrt(uv_area * size.x * size.y / area) * power;
 }
 
 // Multiplies textures into the surface and bends its normal. One after the other in a loop: a driver that

@@ -275,7 +275,7 @@ impl Face {
         let (low, high) = if low.x <= high.x { (low, high) } else { (Vec3::ZERO, Vec3::ONE) };
         // A map of nothing has texels, too. Two texels more than needed, for the map is moved onto the grid
         // of its texels and its border shall be empty.
-        let extent = (high - low).truncate().max(Vec2::splat(1e-4 * (high - low).max_element().max(1e-4)));
+        let extent = (high - low).truncate().max(Vec2::splat(1e-4 * (high - low).max_element().max(1e-20)));
         let needed = extent / (side.max(3) - 2) as f32;
         let texel = needed.map(|needed| TEXEL_STEP.powf(needed.log(TEXEL_STEP).ceil()));
         let corner = ((low.truncate() / texel).floor() - 0.5) * texel;

@@ -9,3 +9,4 @@ mod methods;
 mod shadows;
 mod stochastic;
 mod thresholds;
+mod units;

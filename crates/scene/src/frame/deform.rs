@@ -2,11 +2,19 @@
 
 use glam::{Affine3A, Mat3, Vec3, Vec4};
 
-use super::{pose::NodePose, storage::MorphedAttributes};
+use super::{
+    footprint::evening_power,
+    pose::{NodePose, instance_moves, moving_nodes},
+    storage::MorphedAttributes,
+};
 use crate::model::{Instance, SceneParts};
 
 /// The matrix that takes normals along with an affine map; also right for mirrored and flattened ones.
+///
+/// Its scale is arbitrary, but never such that lengths vanish.
 pub(super) fn normal_matrix(vector_from_object: Mat3) -> Mat3 {
+    let Mat3 { x_axis, y_axis, z_axis } = vector_from_object;
+    let vector_from_object = vector_from_object * evening_power(x_axis.abs().max(y_axis.abs()), z_axis);
     let Mat3 { x_axis, y_axis, z_axis } = vector_from_object;
     // The cofactor matrix: inverse transpose times the determinant, without dividing by it.
     let cofactors = Mat3::from_cols(y_axis.cross(z_axis), z_axis.cross(x_axis), x_axis.cross(y_axis));
@@ -96,18 +104,31 @@ pub(super) fn deform(
     positions
 }
 
-/// Calls `visit` with the world position of each vertex of each instance at time zero.
-pub(crate) fn for_each_vertex_at_rest(parts: &SceneParts, visit: &mut impl FnMut(Vec3)) {
-    let pose = NodePose::at(parts, 0.0);
-    for (index, instance) in parts.instances.iter().enumerate() {
-        let mesh = &parts.meshes[instance.mesh as usize];
-        let world_from_object = pose.world_from_node[instance.node as usize] * instance.node_from_object;
-        if instance.skin.is_some() || !mesh.morph_targets.is_empty() {
-            deform(parts, &pose, index as u32, world_from_object, &mut Vec::new())
-                .into_iter()
-                .for_each(&mut *visit);
-        } else {
-            mesh.positions.iter().for_each(|&position| visit(world_from_object.transform_point3(position)));
+/// Calls `visit` with the world position of each vertex of each instance at each of the times, of those that
+/// never move once.
+pub(crate) fn for_each_vertex_over_time(
+    parts: &SceneParts,
+    times_secs: &[f32],
+    visit: &mut impl FnMut(Vec3),
+) {
+    let node_moves = moving_nodes(parts);
+    for (number, &time_secs) in times_secs.iter().enumerate() {
+        let pose = NodePose::at(parts, time_secs);
+        for (index, instance) in parts.instances.iter().enumerate() {
+            if number > 0 && !instance_moves(parts, &node_moves, index as u32) {
+                continue;
+            }
+            let mesh = &parts.meshes[instance.mesh as usize];
+            let world_from_object = pose.world_from_node[instance.node as usize] * instance.node_from_object;
+            if instance.skin.is_some() || !mesh.morph_targets.is_empty() {
+                deform(parts, &pose, index as u32, world_from_object, &mut Vec::new())
+                    .into_iter()
+                    .for_each(&mut *visit);
+            } else {
+                mesh.positions
+                    .iter()
+                    .for_each(|&position| visit(world_from_object.transform_point3(position)));
+            }
         }
     }
 }

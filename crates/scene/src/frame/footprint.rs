@@ -18,13 +18,24 @@ pub const LEAST_GRAZING: f32 = 1e-3;
 /// ellipse, which is a circle there.
 pub const HEAD_ON: f32 = 1e-6;
 
+/// A power of two that brings the largest component of two vectors to between 1 and 2: whatever the unit of a
+/// scene, products of what is scaled by it neither overflow nor vanish, and no bit is lost.
+pub(super) fn evening_power(a: Vec3, b: Vec3) -> f32 {
+    const EXPONENT: u32 = 0x7f80_0000;
+    /// The exponents of x and 1 / x add up to this, for a power of two.
+    const BOTH_EXPONENTS: u32 = 0x7f00_0000;
+    let largest = a.abs().max(b.abs()).max_element();
+    f32::from_bits(BOTH_EXPONENTS.saturating_sub(largest.to_bits() & EXPONENT))
+}
+
 /// Texels along a world unit of a triangle whose corners have texture coordinates, in a texture of a size;
 /// where coordinates are stretched, the geometric mean. 0 for a triangle without an area.
 pub(super) fn texel_density(corners: &[Vec3; 3], uvs: &[Vec2; 3], size: Vec2) -> f32 {
     let [a, b, c] = corners;
-    let area = (b - a).cross(c - a).length();
+    let power = evening_power(b - a, c - a);
+    let area = ((b - a) * power).cross((c - a) * power).length();
     let uv_area = (uvs[1] - uvs[0]).perp_dot(uvs[2] - uvs[0]).abs();
-    let density = (uv_area * size.x * size.y / area).sqrt();
+    let density = (uv_area * size.x * size.y / area).sqrt() * power;
     if density < f32::INFINITY { density } else { 0.0 }
 }
 
@@ -39,6 +50,8 @@ impl Ellipse {
     /// Where a beam of a width around a unit direction meets a triangle.
     pub(super) fn new(corners: &[Vec3; 3], direction: Vec3, width: f32) -> Self {
         let [to_b, to_c] = [corners[1] - corners[0], corners[2] - corners[0]];
+        let power = evening_power(to_b, to_c);
+        let (to_b, to_c, width) = (to_b * power, to_c * power, width * power);
         let area_normal = to_b.cross(to_c);
         let square = area_normal.length_squared();
         let normal = area_normal * square.sqrt().recip();
@@ -87,10 +100,34 @@ mod tests {
     }
 
     #[test]
+    fn a_power_of_two_evens_out_any_unit() {
+        for largest in [f32::MIN_POSITIVE, 1e-30, 0.7, 1.0, 3.0, 1e30] {
+            let scaled = largest * evening_power(Vec3::new(0.0, -largest, 0.5 * largest), Vec3::ZERO);
+            assert!((1.0..2.0).contains(&scaled), "{largest} became {scaled}");
+        }
+        assert!(evening_power(Vec3::ZERO, Vec3::ZERO).is_finite());
+    }
+
+    #[test]
+    fn a_beam_covers_the_same_in_any_unit() {
+        for unit in [1e-15, 1e15] {
+            let corners = CORNERS.map(|corner| corner * unit);
+            let beam = Ellipse::new(&corners, Vec3::NEG_Z, 0.1 * unit);
+            let circle = beam.footprint(&UVS, Vec2::splat(100.0));
+            assert!((circle.length - 10.0).abs() < 1e-4, "{circle:?}");
+        }
+    }
+
+    #[test]
     fn density_counts_texels_of_a_unit() {
         assert!((texel_density(&CORNERS, &UVS, Vec2::new(400.0, 100.0)) - 200.0).abs() < 1e-3);
         let larger = CORNERS.map(|corner| corner * 2.0);
         assert!((texel_density(&larger, &UVS, Vec2::splat(64.0)) - 32.0).abs() < 1e-4);
+        for unit in [1e-15, 1e15] {
+            let other = CORNERS.map(|corner| corner * unit);
+            let density = texel_density(&other, &UVS, Vec2::splat(64.0)) * unit;
+            assert!((density - 64.0).abs() < 1e-4, "{density} of {unit}");
+        }
         assert_eq!(texel_density(&[Vec3::ZERO; 3], &UVS, Vec2::splat(64.0)), 0.0);
         assert_eq!(texel_density(&[Vec3::ZERO; 3], &[Vec2::ZERO; 3], Vec2::splat(64.0)), 0.0);
     }

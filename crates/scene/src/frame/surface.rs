@@ -6,7 +6,7 @@ use glam::{Vec2, Vec3, Vec4, Vec4Swizzles};
 use super::{
     FaceSide, Frame, Object,
     attribute::{QUAD_UVS, VertexLists, gather, mix},
-    footprint::{Ellipse, texel_density},
+    footprint::{Ellipse, evening_power, texel_density},
     storage::{Look, TINTED},
 };
 use crate::{
@@ -61,7 +61,9 @@ impl Frame {
         let object = self.object(triangle);
         let material = &self.materials()[object.material as usize];
         let side = self.side(triangle, counter_clockwise);
-        let winding_normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize_or_zero();
+        let (to_b, to_c) = (corners[1] - corners[0], corners[2] - corners[0]);
+        let power = evening_power(to_b, to_c);
+        let winding_normal = (to_b * power).cross(to_c * power).normalize_or_zero();
         let geometric_normal = if counter_clockwise { winding_normal } else { -winding_normal };
         // The outward normal is that of the front side.
         let outward = if side == FaceSide::Front { geometric_normal } else { -geometric_normal };
