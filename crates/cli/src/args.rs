@@ -230,8 +230,8 @@ pub(crate) struct ExperimentsArguments {
 
 #[derive(Args, Debug)]
 pub(crate) struct VerifyArguments {
-    /// Scenes in which a GPU has to show what the CPU shows: built-in ones, .gltf or .glb files; some of ours
-    /// if none is given.
+    /// Scenes in which a GPU has to show what the CPU shows: built-in ones or scene files; some of ours if
+    /// none is given.
     #[arg(value_name = "SCENE")]
     pub(crate) scenes: Vec<String>,
     /// Methods that a GPU has to run as the CPU does, NAME or NAME:KEY=VALUE,…; all if none is given.
@@ -259,8 +259,8 @@ const STD_METHODS: [&str; 6] = ["baseline", "roulette", "std", "dtaa", "dtaa-uni
 /// What is shown.
 #[derive(Args, Debug)]
 pub(crate) struct SceneArguments {
-    /// Built-in scene, NAME or NAME:KEY=VALUE,…, or a .gltf or .glb file; `sheer scenes` lists the built-in
-    /// ones.
+    /// Built-in scene, NAME or NAME:KEY=VALUE,…, or a .gltf, .glb, .obj, .ply, .stl or .hair file; `sheer
+    /// scenes` lists the built-in ones.
     #[arg(value_name = "SCENE", default_value = "smoke-square")]
     pub(crate) text: String,
     /// static, path, orbit or the name of one of the scene's cameras; the scene's first if not given.
@@ -304,6 +304,16 @@ pub(crate) struct LoadArguments {
     /// A folder besides the file's own that the files it refers to may lie in; give as many as you like.
     #[arg(long = "allow-folder", value_name = "DIR")]
     pub(crate) allowed_folders: Vec<PathBuf>,
+    /// The animation of a file to play, by its name or its number from 0; all: all that do not get in each
+    /// other's way, which is the default; none: everything at rest.
+    #[arg(long, value_name = "NAME|INDEX|all|none")]
+    pub(crate) clip: Option<String>,
+    /// The scene of a file to show, by its name or its number from 0; the file's own choice if not given.
+    #[arg(long, value_name = "NAME|INDEX")]
+    pub(crate) scene: Option<String>,
+    /// The variant of a file's materials to show, by its name or its number from 0.
+    #[arg(long, value_name = "NAME|INDEX")]
+    pub(crate) variant: Option<String>,
 }
 
 /// Which frames are made of it.

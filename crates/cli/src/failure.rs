@@ -112,7 +112,10 @@ fn is_misuse_of_gallery(error: &GalleryError) -> bool {
 }
 
 fn is_misuse_of_scene(error: &SceneError) -> bool {
-    matches!(error, SceneError::UnknownFormat { .. } | SceneError::NoCamera { .. })
+    matches!(
+        error,
+        SceneError::UnknownFormat { .. } | SceneError::NoChoice { .. } | SceneError::NoCamera { .. }
+    )
 }
 
 fn is_misuse_of_image(error: &ImageError) -> bool {

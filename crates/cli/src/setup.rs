@@ -79,6 +79,9 @@ impl LoadArguments {
             strict: self.strict,
             allowed_folders: self.allowed_folders.clone(),
             memory_limit: Some(memory::left_by_the_program()),
+            clip: self.clip.clone(),
+            scene: self.scene.clone(),
+            variant: self.variant.clone(),
         }
     }
 }

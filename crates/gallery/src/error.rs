@@ -7,7 +7,8 @@ use sheer_scene::SceneError;
 pub enum GalleryError {
     /// Neither a built-in scene nor a file with a known extension.
     #[error(
-        "'{0}' is neither a built-in scene nor a .gltf or .glb file; `sheer scenes` lists the built-in ones"
+        "'{0}' is neither a built-in scene nor a {endings} file; `sheer scenes` lists the built-in ones",
+        endings = sheer_scene::load::endings()
     )]
     Unknown(String),
     /// A parameter of a built-in scene is unknown, out of range or given twice.

@@ -1,6 +1,8 @@
 //! One door for built-in scenes and files.
 
-use sheer_scene::{LoadOptions, Loaded, SceneError};
+use std::path::Path;
+
+use sheer_scene::{LoadOptions, Loaded, SceneError, load::Contents};
 
 use crate::{
     catalogue::{build, is_builtin},
@@ -22,7 +24,8 @@ pub fn open(text: &str) -> Result<Loaded, GalleryError> {
 /// [`GalleryError`] says what is wrong, where, and what to do.
 pub fn open_with(text: &str, options: &LoadOptions) -> Result<Loaded, GalleryError> {
     if is_builtin(text) {
-        return Ok(Loaded { scene: build(text)?, warnings: Vec::new() });
+        options.check_without_choices(Path::new(text))?;
+        return Ok(Loaded { scene: build(text)?, warnings: Vec::new(), contents: Contents::default() });
     }
     sheer_scene::open_with(text, options).map_err(|error| match error {
         SceneError::UnknownFormat { .. } => GalleryError::Unknown(text.to_owned()),
@@ -41,7 +44,7 @@ mod tests {
         assert!(matches!(open(file), Err(GalleryError::Scene(SceneError::Read { .. }))));
         for neither in ["layer", "layers.gltf.txt", ""] {
             let error = open(neither).unwrap_err().to_string();
-            assert!(error.contains("neither a built-in scene nor a .gltf or .glb file"), "{error}");
+            assert!(error.contains("neither a built-in scene nor a .gltf, .glb, .obj, "), "{error}");
         }
     }
 }

@@ -6,12 +6,12 @@ use std::path::PathBuf;
 #[derive(Debug, thiserror::Error)]
 pub enum SceneError {
     /// The path has an extension of no format that can be read.
-    #[error(
-        "cannot open '{path}': it is not a .gltf or .glb file (built-in scenes are those of sheer-gallery)"
-    )]
+    #[error("cannot open '{path}': it is not a {endings} file (built-in scenes are those of sheer-gallery)")]
     UnknownFormat {
         /// As it was given.
         path: PathBuf,
+        /// The endings that are known, in words.
+        endings: String,
     },
     /// The file or a file it refers to cannot be read.
     #[error("cannot read {path}: {source}")]
@@ -50,6 +50,18 @@ pub enum SceneError {
         place: String,
         /// What is wrong with the part.
         problem: String,
+    },
+    /// The asked-for scene, clip or variant is not in the file.
+    #[error("{path}: there is no {what} '{wanted}'; {available}")]
+    NoChoice {
+        /// The file, or the text of a built-in scene.
+        path: PathBuf,
+        /// Which kind of thing was asked for.
+        what: &'static str,
+        /// Name or number that was asked for.
+        wanted: String,
+        /// What there is, in words.
+        available: String,
     },
     /// The asked-for camera is not there.
     #[error("scene '{scene}' has no camera '{wanted}'; it has: {available}")]

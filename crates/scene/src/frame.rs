@@ -34,7 +34,7 @@ use instances::Instances;
 pub(crate) use instances::LEAST_SHARED;
 use property::Properties;
 
-pub use animator::Animator;
+pub use animator::{Animator, scene_lights};
 pub(crate) use deform::for_each_vertex_over_time;
 pub use footprint::{HEAD_ON, LEAST_GRAZING};
 pub use instances::{MeshInstance, Sharing};

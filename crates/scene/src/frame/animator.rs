@@ -333,6 +333,14 @@ fn lights_at<'a>(
     of_nodes.chain(of_surroundings)
 }
 
+/// The lights of a scene at a time.
+#[must_use]
+pub fn scene_lights(scene: &Scene, time_secs: f32) -> Vec<FrameLight> {
+    let parts = scene.parts();
+    let (pose, properties) = (NodePose::at(parts, time_secs), Properties::at(parts, time_secs));
+    lights_at(parts, &pose, &properties).collect()
+}
+
 /// Where an instance is that its node moves.
 fn world_from_object(parts: &SceneParts, pose: &NodePose, index: u32) -> Affine3A {
     let instance = &parts.instances[index as usize];

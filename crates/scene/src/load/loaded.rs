@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use super::contents::Contents;
 use crate::scene::Scene;
 
 /// A scene and what was left out of it.
@@ -11,6 +12,8 @@ pub struct Loaded {
     pub scene: Scene,
     /// Things a user should know, each said once.
     pub warnings: Vec<LoadWarning>,
+    /// What else the file holds.
+    pub contents: Contents,
 }
 
 /// Something in a file that is shown differently from what its author meant.
@@ -21,13 +24,6 @@ pub enum LoadWarning {
     ExtensionIgnored {
         /// Name of the extension, as the file spells it.
         extension: String,
-    },
-    /// Points and lines are not drawn.
-    NotTriangles {
-        /// Mesh and primitive, with index and name.
-        place: String,
-        /// What the primitive consists of instead, e.g. `lines`.
-        mode: String,
     },
     /// `KHR_materials_transmission` is drawn as coverage: nothing refracts.
     TransmissionAsCoverage {
@@ -80,7 +76,6 @@ impl fmt::Display for LoadWarning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::ExtensionIgnored { extension } => write!(f, "extension {extension} has no effect here"),
-            Self::NotTriangles { place, mode } => write!(f, "{place}: {mode} are not drawn"),
             Self::TransmissionAsCoverage { material } => {
                 write!(f, "{material}: transmission is drawn as alpha coverage, without refraction")
             }

@@ -8,10 +8,24 @@ use std::{
 
 use crate::error::SceneError;
 
+mod contents;
+mod crease;
 mod gltf;
+mod hair;
 mod loaded;
+mod obj;
 mod options;
+mod ply;
+mod single;
+mod source;
+mod stl;
+mod stroke;
+mod text;
 
+use contents::chosen;
+use source::Source;
+
+pub use contents::{Clip, Contents, Extension};
 pub use loaded::{LoadWarning, Loaded};
 pub use options::LoadOptions;
 
@@ -23,19 +37,89 @@ pub fn open(path: impl AsRef<Path>) -> Result<Loaded, SceneError> {
     open_with(path, &LoadOptions::default())
 }
 
-/// Opens a scene file by path. Its ending, in any case, says which format it has: `.gltf` or `.glb`. A file
-/// with another ending, or none, is opened as glTF if that is what is in it, as in `.vrm`.
+/// Who reads a format.
+type Read = fn(&[u8], &Path, &LoadOptions) -> Result<Loaded, SceneError>;
+
+/// A format and how its files are known.
+struct Format {
+    /// Endings of its files in lower case.
+    endings: &'static [&'static str],
+    /// Whether a file that begins with these bytes is of this format and no other.
+    begins: fn(&[u8]) -> bool,
+    read: Read,
+}
+
+/// All formats.
+const FORMATS: &[Format] = &[
+    Format { endings: &["gltf", "glb"], begins: gltf::begins_like_gltf, read: gltf::load_slice },
+    Format {
+        endings: &["obj"],
+        begins: |_| false,
+        read: |bytes, path, options| obj::read(bytes, Source::new("OBJ", path, options)?),
+    },
+    Format {
+        endings: &["ply"],
+        begins: |bytes| bytes.starts_with(ply::SIGNATURE),
+        read: |bytes, path, options| ply::read(bytes, Source::new("PLY", path, options)?),
+    },
+    Format {
+        endings: &["stl"],
+        begins: stl::begins_like_stl,
+        read: |bytes, path, options| stl::read(bytes, Source::new("STL", path, options)?),
+    },
+    Format {
+        endings: &["hair"],
+        begins: |bytes| bytes.starts_with(hair::SIGNATURE),
+        read: |bytes, path, options| hair::read(bytes, Source::new("hair", path, options)?),
+    },
+];
+
+/// The endings of the files that can be opened, for messages: `.gltf, .glb or …`.
+#[must_use]
+pub fn endings() -> String {
+    let all: Vec<String> =
+        FORMATS.iter().flat_map(|format| format.endings).map(|ending| format!(".{ending}")).collect();
+    match all.split_last() {
+        Some((last, others)) => format!("{} or {last}", others.join(", ")),
+        None => String::new(),
+    }
+}
+
+/// The format of a file, by its ending, in any case, or its first bytes: what is in it counts for more.
+fn format_of(path: &Path, beginning: &[u8]) -> Result<&'static Format, SceneError> {
+    let ending = path.extension().and_then(|ending| ending.to_str()).map(str::to_ascii_lowercase);
+    let by_ending = FORMATS
+        .iter()
+        .find(|format| ending.as_deref().is_some_and(|ending| format.endings.contains(&ending)));
+    let begins = |format: &&Format| (format.begins)(beginning);
+    by_ending
+        .filter(begins)
+        .or_else(|| FORMATS.iter().find(begins))
+        .or(by_ending)
+        .ok_or_else(|| SceneError::UnknownFormat { path: path.to_owned(), endings: endings() })
+}
+
+/// Opens a scene file by path: glTF 2.0, OBJ, PLY, STL or hair, by its ending (see [`endings`]), in any case,
+/// or by what is in it, as in `.vrm`.
 ///
 /// # Errors
-/// [`SceneError::UnknownFormat`] for a path that is neither; otherwise [`SceneError`] says what is wrong,
+/// [`SceneError::UnknownFormat`] for a path that is of none; otherwise [`SceneError`] says what is wrong,
 /// where, and what to do.
 pub fn open_with(path: impl AsRef<Path>, options: &LoadOptions) -> Result<Loaded, SceneError> {
     let path = path.as_ref();
-    match path.extension().and_then(|extension| extension.to_str()).map(str::to_ascii_lowercase).as_deref() {
-        Some("gltf" | "glb") => gltf::load(path, options),
-        _ if gltf::begins_like_gltf(&first_bytes(path)) => gltf::load(path, options),
-        _ => Err(SceneError::UnknownFormat { path: path.to_owned() }),
-    }
+    let format = format_of(path, &first_bytes(path))?;
+    let most_bytes = options.memory_limit.map_or(u64::MAX, |limit| limit.0);
+    (format.read)(&gltf::read_file(path, most_bytes)?, path, options)
+}
+
+/// Reads a file that is in memory already. Files that it refers to are looked for beside `path`, which also
+/// names the scene, stands in messages and says by its ending which format it is where the bytes leave it
+/// open; it need not exist.
+///
+/// # Errors
+/// As [`open_with`].
+pub fn read(bytes: &[u8], path: &Path, options: &LoadOptions) -> Result<Loaded, SceneError> {
+    (format_of(path, bytes)?.read)(bytes, path, options)
 }
 
 /// Reads a `.gltf` or `.glb` file that is in memory already. Files that it refers to are looked for beside

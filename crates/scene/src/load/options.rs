@@ -1,8 +1,10 @@
 //! How a file is read.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use sheer_core::text::MemorySize;
+
+use crate::error::SceneError;
 
 /// What a caller may say of how a file is read. The default reads whatever is sound, and nothing that lies
 /// outside the file's own folder.
@@ -17,4 +19,35 @@ pub struct LoadOptions {
     /// What the scene may take in memory in all, with its acceleration structure: counted before it is taken.
     /// Without a limit there still is one of what is decoded from a file of its size.
     pub memory_limit: Option<MemorySize>,
+    /// The animation to play, by its name or its number from 0; `all` plays all that do not get in each
+    /// other's way, as `None` does, and `none` holds everything at rest.
+    pub clip: Option<String>,
+    /// The scene to show, by its name or its number from 0; the one that the file names if `None`.
+    pub scene: Option<String>,
+    /// The variant of materials to show, by its name or its number from 0; what materials are without one if
+    /// `None`.
+    pub variant: Option<String>,
+}
+
+impl LoadOptions {
+    /// Checks that nothing is chosen in what leaves no choice: `path` names it.
+    ///
+    /// # Errors
+    /// [`SceneError::NoChoice`] names the first thing that was chosen.
+    pub fn check_without_choices(&self, path: &Path) -> Result<(), SceneError> {
+        let clip = self.clip.as_ref().filter(|clip| !matches!(clip.as_str(), "all" | "none"));
+        for (what, wanted) in
+            [("clip", clip), ("scene", self.scene.as_ref()), ("variant", self.variant.as_ref())]
+        {
+            if let Some(wanted) = wanted {
+                return Err(SceneError::NoChoice {
+                    path: path.to_owned(),
+                    what,
+                    wanted: wanted.clone(),
+                    available: "it has none".to_owned(),
+                });
+            }
+        }
+        Ok(())
+    }
 }

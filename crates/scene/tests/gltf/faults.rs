@@ -131,7 +131,7 @@ fn missing_and_short_files_are_named() {
     );
     let error = open(folder.path().join("none.glb")).unwrap_err().to_string();
     assert!(error.contains("none.glb"), "{error}");
-    for path in ["layers", "scene.obj", ""] {
+    for path in ["layers", "scene.xyz", ""] {
         assert!(matches!(open(path), Err(SceneError::UnknownFormat { .. })), "{path}");
     }
 }

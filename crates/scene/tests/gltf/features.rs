@@ -220,7 +220,7 @@ fn the_first_animation_plays_with_those_that_move_something_else() {
     animate(&mut builder, "first", "translation", "STEP", moves);
     animate(&mut builder, "again", "translation", "LINEAR", moves);
     animate(&mut builder, "other", "scale", "LINEAR", moves);
-    let Loaded { scene, warnings } = builder.load().unwrap();
+    let Loaded { scene, warnings, .. } = builder.load().unwrap();
     let names: Vec<_> = scene.parts().animations.iter().map(|animation| animation.name.as_str()).collect();
     assert_eq!(names, ["first", "other"]);
     assert_eq!(warnings, [LoadWarning::AnimationSkipped { place: "animations[1] ('again')".to_owned() }]);
@@ -259,7 +259,7 @@ fn keys_at_one_time_stay_a_jump_and_a_matrix_is_taken_apart() {
     animate(&mut builder, "", "translation", "LINEAR", output);
     let times = builder.floats("SCALAR", &[1.0; 3]);
     builder.json["animations"][0]["samplers"][0]["input"] = json!(times);
-    let Loaded { scene, warnings } = builder.load().unwrap();
+    let Loaded { scene, warnings, .. } = builder.load().unwrap();
     let Track::Translation(keys) = &scene.parts().animations[0].channels[0].track else {
         panic!("not a translation")
     };
@@ -323,7 +323,7 @@ fn animation_pointers_change_materials_lights_and_nodes() {
     animate_pointer(&mut builder, &format!("{light}/intensity"), "SCALAR", &[0.0, 6.0]);
     animate_pointer(&mut builder, "/cameras/0/perspective/aspectRatio", "SCALAR", &[0.1, 0.2]);
 
-    let Loaded { scene, warnings } = builder.load().unwrap();
+    let Loaded { scene, warnings, .. } = builder.load().unwrap();
     let pointer = "/cameras/0/perspective/aspectRatio".to_owned();
     assert_eq!(
         warnings,

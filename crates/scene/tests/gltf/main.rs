@@ -6,6 +6,8 @@ mod assets;
 #[cfg(test)]
 mod builder;
 #[cfg(test)]
+mod choices;
+#[cfg(test)]
 mod faults;
 #[cfg(test)]
 mod features;

@@ -5,6 +5,7 @@ use std::collections::{HashMap, HashSet};
 use glam::{Quat, Vec2, Vec3, Vec4};
 
 use super::{
+    choice::ClipChoice,
     document::Document,
     node::{Hierarchy, unit_rotation},
     pointer::{self, Pointed},
@@ -12,7 +13,7 @@ use super::{
 };
 use crate::{
     SceneError,
-    load::LoadWarning,
+    load::{Clip, LoadWarning},
     model::{
         Animation, Channel, Interpolation, Keys, Node, Property, SceneParts, TextureSlot, Track, Transform,
     },
@@ -29,16 +30,25 @@ pub(super) struct Targets<'t> {
     pub cameras: &'t [Index],
 }
 
-/// The animations that play together. Nodes with a matrix that are animated get their transform taken apart.
+/// The animations that play together, and all that there are. Nodes with a matrix that are animated get their
+/// transform taken apart.
 pub(super) fn read(
     document: &Document<'_>,
     targets: &Targets<'_>,
     parts: &mut SceneParts,
-) -> Result<Vec<Animation>, SceneError> {
+) -> Result<(Vec<Animation>, Vec<Clip>), SceneError> {
+    let mut clips: Vec<Clip> = (document.root.animations.iter())
+        .map(|clip| Clip { name: clip.name.clone().unwrap_or_default(), duration_secs: 0.0, plays: false })
+        .collect();
     let mut taken: HashSet<String> = HashSet::new();
     let mut animations = Vec::new();
     for (index, animation) in document.root.animations.iter().enumerate() {
         let place = format!("animations[{index}]");
+        match document.choices.clip {
+            ClipChoice::Nothing => continue,
+            ClipChoice::One(chosen) if chosen != index => continue,
+            ClipChoice::One(_) | ClipChoice::All => {}
+        }
         let mut pointers =
             animation.channels.iter().filter_map(|channel| pointer::of_target(&channel.target));
         if pointers.any(|pointer| taken.contains(&pointer)) {
@@ -58,6 +68,8 @@ pub(super) fn read(
             document.salvage(reader.read(&pointer, &mut read, &mut composed, parts), "left out")?;
         }
         if !read.channels.is_empty() || !read.properties.is_empty() {
+            clips[index].plays = true;
+            clips[index].duration_secs = read.duration_secs();
             animations.push(read);
         }
     }
@@ -74,7 +86,7 @@ pub(super) fn read(
     if !hidden.is_empty() {
         animations.push(Animation { properties: hidden, ..Animation::default() });
     }
-    Ok(animations)
+    Ok((animations, clips))
 }
 
 /// A property that several channels make up.

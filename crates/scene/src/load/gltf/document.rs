@@ -12,6 +12,7 @@ use std::{
 use sheer_core::text::{MemorySize, printable, quoted};
 
 use super::{
+    choice::Choices,
     estimate, lenient,
     limits::{BASE_BYTES, BYTES_PER_INPUT_BYTE},
     meshopt,
@@ -36,6 +37,8 @@ const LONGEST_MESSAGE: usize = 600;
 pub(super) struct Document<'a> {
     pub root: Root,
     pub options: &'a LoadOptions,
+    /// What the options choose in this file.
+    pub choices: Choices,
     path: &'a Path,
     binary_chunk: Option<&'a [u8]>,
     buffers: Vec<OnceCell<Rc<Vec<u8>>>>,
@@ -90,10 +93,12 @@ impl<'a> Document<'a> {
             return Err(fault("asset", problem));
         }
         cut_names(&mut root);
+        let choices = Choices::new(&root, path, options)?;
         let (buffer_count, view_count) = (root.buffers.len(), root.buffer_views.len());
         let document = Self {
             root,
             options,
+            choices,
             path,
             binary_chunk,
             buffers: (0..buffer_count).map(|_| OnceCell::new()).collect(),

@@ -19,6 +19,7 @@ use crate::{
     SceneError,
     cost::{self, Drawn},
     frame::{LEAST_SHARED, Sharing},
+    load::stroke,
 };
 
 /// Holds what the scene will take against the memory that is left.
@@ -222,9 +223,16 @@ impl Counts<'_> {
         let vertices = elements(&primitive.attributes, "POSITION");
         let listed = primitive.indices.map(|accessor| self.elements(accessor));
         let corners = listed.unwrap_or(vertices);
-        let topology = Topology::from_code(primitive.mode.unwrap_or(4)).ok();
         let count = usize::try_from(corners).unwrap_or(usize::MAX);
-        let triangles = topology.map_or(0, |topology| topology.triangle_count(count) as u64);
+        // Points and lines become bodies of triangles, with vertices of their own.
+        let (triangles, body_vertices) = match Topology::from_code(primitive.mode.unwrap_or(4)) {
+            Some(Topology::Triangles(pattern)) => (pattern.triangle_count(count) as u64, None),
+            Some(Topology::Strokes(_)) => {
+                let [triangles, vertices] = stroke::most_of_bodies(count);
+                (triangles, Some(vertices))
+            }
+            None => (0, None),
+        };
 
         // Vectors of floats, as they are in memory; joints and weights are read as such and put together.
         let attribute = |(name, &accessor): (&String, &Index)| {
@@ -236,8 +244,9 @@ impl Counts<'_> {
                 _ => 0,
             };
             let elements = self.elements(accessor);
-            [elements, elements.min(triangles.saturating_mul(3).saturating_add(MOST_UNUSED as u64))]
-                .map(|count| count.saturating_mul(bytes_each))
+            let used = triangles.saturating_mul(3).saturating_add(MOST_UNUSED as u64);
+            let stored = body_vertices.unwrap_or(elements.min(used));
+            [elements, stored].map(|count| count.saturating_mul(bytes_each))
         };
         let targets = primitive.targets.iter().flatten();
         let attributes = primitive.attributes.iter().chain(targets).map(attribute);

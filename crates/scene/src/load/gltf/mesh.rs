@@ -10,11 +10,14 @@ use super::{
     document::Document,
     material::Materials,
     schema::{Accessor, Index, Primitive},
-    topology::{self, Topology},
+    topology::{self, StrokePattern, Topology, TrianglePattern},
 };
 use crate::{
     SceneError,
-    load::LoadWarning,
+    load::{
+        LoadWarning,
+        stroke::{Sketch, Strokes},
+    },
     model::{Influence, Mesh, MorphTarget},
 };
 
@@ -32,6 +35,8 @@ pub(super) const MOST_UNUSED: usize = 1024;
 pub(super) struct Library<'d, 'a> {
     document: &'d Document<'a>,
     read: Vec<Option<Vec<DrawnPrimitive>>>,
+    /// Those of points and lines.
+    pub sketches: Vec<Sketch>,
 }
 
 /// A primitive that has triangles.
@@ -41,6 +46,8 @@ pub(super) struct DrawnPrimitive {
     pub mesh: u32,
     /// Index in the glTF mesh.
     pub geometry: u32,
+    /// How many triangles it is, or will be where it is points or lines.
+    pub triangle_count: usize,
     /// How many joints a skin must have for it; 0 of a mesh without joints.
     joint_count: usize,
 }
@@ -71,7 +78,7 @@ impl DrawnPrimitive {
 
 impl<'d, 'a> Library<'d, 'a> {
     pub(super) fn new(document: &'d Document<'a>) -> Self {
-        Self { document, read: vec![None; document.root.meshes.len()] }
+        Self { document, read: vec![None; document.root.meshes.len()], sketches: Vec::new() }
     }
 
     /// The primitives of a mesh of the file, read into `meshes` the first time.
@@ -90,15 +97,20 @@ impl<'d, 'a> Library<'d, 'a> {
         for (number, primitive) in mesh.primitives.iter().enumerate() {
             let place = format!("meshes[{index}].primitives[{number}]");
             let read = Reader::new(self.document, primitive, place.clone()).and_then(|reader| reader.mesh());
-            let Some(mut read) = self.document.salvage(read, "not drawn")?.flatten() else { continue };
+            let Some((mut read, strokes)) = self.document.salvage(read, "not drawn")?.flatten() else {
+                continue;
+            };
             read.name = mesh.name.clone().unwrap_or_default();
-            read.material = materials.index(primitive.material, &place)?;
+            read.material = materials.index(self.document.choices.material_of(primitive), &place)?;
             let joints = read.influences.iter().map(|influence| usize::from(influence.joint) + 1);
+            let index = meshes.len() as u32;
             drawn.push(DrawnPrimitive {
-                mesh: meshes.len() as u32,
+                mesh: index,
                 geometry: number as u32,
+                triangle_count: strokes.as_ref().map_or(read.indices.len(), Strokes::triangle_count),
                 joint_count: joints.max().unwrap_or(0),
             });
+            self.sketches.extend(strokes.map(|strokes| Sketch { mesh: index, strokes }));
             meshes.push(read);
         }
         self.read[index] = Some(drawn.clone());
@@ -128,20 +140,12 @@ impl<'d, 'a> Reader<'d, 'a> {
         })
     }
 
-    /// The triangles; `None` if there are none to draw.
-    fn mesh(&self) -> Result<Option<Mesh>, SceneError> {
+    /// The triangles, or points or lines to make some of; `None` if there is nothing to draw.
+    fn mesh(&self) -> Result<Option<(Mesh, Option<Strokes>)>, SceneError> {
         let document = self.document;
-        let topology = match Topology::from_code(self.primitive.mode.unwrap_or(4)) {
-            Ok(topology) => topology,
-            Err(Some(mode)) => {
-                let place = document.titled(&self.place);
-                document.warn(LoadWarning::NotTriangles { place, mode: mode.to_owned() });
-                return Ok(None);
-            }
-            Err(None) => {
-                let problem = "its mode is none of the seven of glTF 2.0; export the file again";
-                return Err(document.fault(&self.place, problem));
-            }
+        let Some(topology) = Topology::from_code(self.primitive.mode.unwrap_or(4)) else {
+            let problem = "its mode is none of the seven of glTF 2.0; export the file again";
+            return Err(document.fault(&self.place, problem));
         };
         // A primitive may leave its positions to an extension (glTF 2.0, 3.7.2.1); none that is known here
         // does.
@@ -150,11 +154,17 @@ impl<'d, 'a> Reader<'d, 'a> {
             return Ok(None);
         };
         let mut positions: Vec<Vec3> = positions.into_iter().map(Vec3::from).collect();
-        let mut indices = self.triangles(topology, positions.len())?;
+        let (mut indices, mut strokes) = match topology {
+            Topology::Triangles(pattern) => (self.triangles(pattern, positions.len())?, None),
+            Topology::Strokes(pattern) => (Vec::new(), Some(self.strokes(pattern, positions.len())?)),
+        };
         if let Some(vertex) = positions.iter().position(|position| !position.is_finite()) {
             document
                 .lose(self.not_finite("POSITION", vertex), "the triangles of such vertices are not drawn")?;
             indices.retain(|corners| corners.iter().all(|&at| positions[at as usize].is_finite()));
+            if let Some(strokes) = &mut strokes {
+                strokes.retain(|at| positions[at as usize].is_finite());
+            }
             // Where no triangle refers to them, they are to change nothing.
             let first = indices.first().map_or(Vec3::ZERO, |corners| positions[corners[0] as usize]);
             positions
@@ -162,7 +172,7 @@ impl<'d, 'a> Reader<'d, 'a> {
                 .filter(|position| !position.is_finite())
                 .for_each(|position| *position = first);
         }
-        if indices.is_empty() {
+        if indices.is_empty() && strokes.as_ref().is_none_or(Strokes::is_empty) {
             return Ok(None);
         }
         let mut mesh = Mesh { positions, indices, ..Mesh::default() };
@@ -172,33 +182,56 @@ impl<'d, 'a> Reader<'d, 'a> {
         self.read_influences(&mut mesh)?;
         self.read_morph_targets(&mut mesh)?;
         // What stays is bounded by what is drawn.
-        if mesh.positions.len() > 3 * mesh.indices.len() + MOST_UNUSED {
+        if strokes.is_none() && mesh.positions.len() > 3 * mesh.indices.len() + MOST_UNUSED {
             self.document.give_back(leave_out_unused(&mut mesh));
         }
-        Ok(Some(mesh))
+        Ok(Some((mesh, strokes)))
     }
 
-    fn triangles(&self, topology: Topology, vertex_count: usize) -> Result<Vec<[u32; 3]>, SceneError> {
+    /// The points or lines.
+    fn strokes(&self, pattern: StrokePattern, vertex_count: usize) -> Result<Strokes, SceneError> {
+        /// Of the body that a stroke becomes, its vertices with their attributes and its triangles.
+        const BODY_BYTES: usize = 600;
         let place = format!("{}.indices", self.place);
-        let listed = self.indices(&place)?;
-        let wild = listed.iter().flatten().find(|&&index| index as usize >= vertex_count);
-        if let Some(wild) = wild {
+        let listed = self.told_indices(vertex_count, &place)?;
+        let count = listed.as_ref().map_or(vertex_count, Vec::len);
+        self.document.charge(count, size_of::<[u32; 2]>(), &place)?;
+        let mut strokes = match &listed {
+            Some(listed) => topology::strokes(pattern, count, |at| listed[at]),
+            None => topology::strokes(pattern, count, |at| at as u32),
+        };
+        strokes.retain(|index| (index as usize) < vertex_count);
+        if let Some(said) = strokes.thin_out() {
+            self.document.repaired(&self.place, &said);
+        }
+        self.document.charge(strokes.triangle_count() / 6, BODY_BYTES, &place)?;
+        Ok(strokes)
+    }
+
+    /// The indices, if there are any; that some refer to no vertex has been said.
+    fn told_indices(&self, vertex_count: usize, place: &str) -> Result<Option<Vec<u32>>, SceneError> {
+        let listed = self.indices(place)?;
+        if let Some(wild) = listed.iter().flatten().find(|&&index| index as usize >= vertex_count) {
             let problem =
                 format!("index {wild} refers to one of only {vertex_count} vertices; export the file again");
-            self.document.lose(self.document.fault(&place, problem), "such triangles are not drawn")?;
+            self.document.lose(self.document.fault(place, problem), "what refers to it is not drawn")?;
         }
+        Ok(listed)
+    }
+
+    fn triangles(&self, pattern: TrianglePattern, vertex_count: usize) -> Result<Vec<[u32; 3]>, SceneError> {
+        let place = format!("{}.indices", self.place);
+        let listed = self.told_indices(vertex_count, &place)?;
         let count = listed.as_ref().map_or(vertex_count, Vec::len);
-        self.document.charge(topology.triangle_count(count), size_of::<[u32; 3]>(), &place)?;
-        if topology.leftover(count) > 0 {
+        self.document.charge(pattern.triangle_count(count), size_of::<[u32; 3]>(), &place)?;
+        if pattern.leftover(count) > 0 {
             self.document.repaired(&place, "the last triangle is not complete and was left out");
         }
         let mut triangles = match &listed {
-            Some(listed) => topology::triangles(topology, count, |at| listed[at]),
-            None => topology::triangles(topology, count, |at| at as u32),
+            Some(listed) => topology::triangles(pattern, count, |at| listed[at]),
+            None => topology::triangles(pattern, count, |at| at as u32),
         };
-        if wild.is_some() {
-            triangles.retain(|corners| corners.iter().all(|&index| (index as usize) < vertex_count));
-        }
+        triangles.retain(|corners| corners.iter().all(|&index| (index as usize) < vertex_count));
         Ok(triangles)
     }
 

@@ -19,7 +19,7 @@ use sheer_core::text::quoted;
 
 use crate::{
     SceneError,
-    load::{LoadOptions, LoadWarning, Loaded},
+    load::{Clip, Contents, Extension, LoadOptions, LoadWarning, Loaded, stroke},
     model::SceneParts,
     scene::Scene,
     texture,
@@ -28,6 +28,7 @@ use crate::{
 mod accessor;
 mod animation;
 mod bake;
+mod choice;
 mod document;
 #[cfg(feature = "draco")]
 mod draco;
@@ -50,6 +51,7 @@ mod texels;
 mod topology;
 
 use document::Document;
+pub(super) use resource::{read_beside, read_file};
 
 /// Extensions that are drawn as they say.
 const DRAWN: &[&str] = &[
@@ -65,6 +67,7 @@ const DRAWN: &[&str] = &[
     // Warned about where it is used.
     "KHR_materials_transmission",
     "KHR_materials_unlit",
+    "KHR_materials_variants",
     "KHR_mesh_quantization",
     "KHR_meshopt_compression",
     "KHR_node_visibility",
@@ -87,16 +90,8 @@ const IGNORED: &[&str] = &[
     "KHR_materials_iridescence",
     "KHR_materials_sheen",
     "KHR_materials_specular",
-    "KHR_materials_variants",
     "KHR_materials_volume",
 ];
-
-/// Reads a file, and what it refers to beside it.
-pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<Loaded, SceneError> {
-    let most_bytes = options.memory_limit.map_or(u64::MAX, |limit| limit.0);
-    let bytes = resource::read_file(path, most_bytes)?;
-    load_slice(&bytes, path, options)
-}
 
 /// Whether a file that begins with these bytes can be glTF: a container, or an object of JSON.
 pub(super) fn begins_like_gltf(bytes: &[u8]) -> bool {
@@ -122,18 +117,20 @@ pub(super) fn load_slice(bytes: &[u8], path: &Path, options: &LoadOptions) -> Re
     parts.lights = lights.sound;
     let skins = hierarchy.skins(&document)?;
     let mut materials = material::Materials::new(&document);
-    hierarchy.place_meshes(&document, &mut materials, &skins, &mut parts)?;
+    let sketches = hierarchy.place_meshes(&document, &mut materials, &skins, &mut parts)?;
     parts.skins = skins.sound;
     let material_of = materials.index_of().to_vec();
     (parts.materials, parts.textures) = materials.finish()?;
     document.take(texture::level_bytes(&parts), "textures")?;
+    stroke::draw(&mut parts, sketches);
     let targets = animation::Targets {
         hierarchy: &hierarchy,
         materials: &material_of,
         lights: &lights.file_index,
         cameras: &cameras.file_index,
     };
-    parts.animations = animation::read(&document, &targets, &mut parts)?;
+    let clips;
+    (parts.animations, clips) = animation::read(&document, &targets, &mut parts)?;
 
     // A file of which nothing is left is an error.
     if parts.instances.is_empty()
@@ -146,7 +143,33 @@ pub(super) fn load_slice(bytes: &[u8], path: &Path, options: &LoadOptions) -> Re
         SceneError::Invalid { place, problem, .. } => document.fault(place, problem),
         other => other,
     })?;
-    Ok(Loaded { scene, warnings: document.into_warnings() })
+    let contents = contents(&document, clips);
+    Ok(Loaded { scene, warnings: document.into_warnings(), contents })
+}
+
+/// What there is to choose from, and what becomes of the extensions.
+fn contents(document: &Document<'_>, clips: Vec<Clip>) -> Contents {
+    let root = &document.root;
+    let mut extensions: Vec<Extension> = Vec::new();
+    for name in root.extensions_used.iter().chain(&root.extensions_required) {
+        if extensions.iter().all(|known| known.name != *name) {
+            extensions.push(Extension {
+                name: name.clone(),
+                required: root.extensions_required.contains(name),
+                has_effect: DRAWN.contains(&name.as_str()),
+            });
+        }
+    }
+    let shown_scene = document.choices.scene.or(root.scene).filter(|&index| index < root.scenes.len());
+    Contents {
+        format: "glTF 2.0".to_owned(),
+        extensions,
+        scenes: root.scenes.iter().map(|scene| scene.name.clone().unwrap_or_default()).collect(),
+        shown_scene: shown_scene.or((!root.scenes.is_empty()).then_some(0)),
+        clips,
+        variants: root.extensions.variants.variants.iter().map(|variant| variant.name.clone()).collect(),
+        shown_variant: document.choices.variant,
+    }
 }
 
 /// Refuses a file that cannot be understood without an unknown extension; notes the ones that have no effect.

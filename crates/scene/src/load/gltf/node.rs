@@ -14,6 +14,7 @@ use super::{
 use crate::{
     SceneError,
     camera::{Camera, CameraMotion, ClipPlanes, Lens},
+    load::stroke::Sketch,
     model::{Instance, Light, LightKind, Node, SceneParts, Skin, Transform},
 };
 
@@ -211,14 +212,14 @@ impl Hierarchy {
         Ok(Skin { name: skin.name.clone().unwrap_or_default(), joints, inverse_bind })
     }
 
-    /// Draws the meshes of all nodes shown.
+    /// Draws the meshes of all nodes shown; those of points and lines are still to be given triangles.
     pub(super) fn place_meshes(
         &self,
         document: &Document<'_>,
         materials: &mut Materials<'_, '_>,
         skins: &Skins,
         parts: &mut SceneParts,
-    ) -> Result<(), SceneError> {
+    ) -> Result<Vec<Sketch>, SceneError> {
         let mut library = mesh::Library::new(document);
         let mut next_id = 0_u32;
         let mut drawn_triangles = 0_u64;
@@ -270,7 +271,7 @@ impl Hierarchy {
                     let mesh = &parts.meshes[primitive.mesh as usize];
                     // Both what is drawn and what is stored is bounded, since a file can ask for copies
                     // without end.
-                    drawn_triangles += mesh.indices.len() as u64;
+                    drawn_triangles += primitive.triangle_count as u64;
                     if drawn_triangles > MAX_DRAWN_TRIANGLES {
                         let problem = format!(
                             "with its instances the file draws more than {MAX_DRAWN_TRIANGLES} triangles; reduce or split it"
@@ -298,7 +299,7 @@ impl Hierarchy {
                 }
             }
         }
-        Ok(())
+        Ok(library.sketches)
     }
 }
 
@@ -355,7 +356,7 @@ fn family(document: &Document<'_>) -> Result<(Vec<Option<Index>>, Vec<Vec<Index>
 /// The scene that is shown, if the file has scenes.
 fn scene_shown<'d>(document: &'d Document<'_>) -> Result<Option<&'d schema::Scene>, SceneError> {
     let scenes = &document.root.scenes;
-    let named = match document.root.scene {
+    let named = match document.choices.scene.or(document.root.scene) {
         Some(index) => document.salvage(document.get(scenes, index, "scene", "scene"), "left out")?,
         None => None,
     };

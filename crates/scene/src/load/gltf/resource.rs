@@ -9,7 +9,7 @@ use std::{
 use sheer_core::text::quoted;
 use sheer_image::read_whole;
 
-use crate::SceneError;
+use crate::{SceneError, load::LoadOptions};
 
 /// `glTF` in little endian (glTF 2.0, 4.4.2).
 const GLB_MAGIC: [u8; 4] = *b"glTF";
@@ -17,7 +17,7 @@ const GLB_CHUNK_JSON: [u8; 4] = *b"JSON";
 const GLB_CHUNK_BIN: [u8; 4] = *b"BIN\0";
 
 /// Reads a regular file of at most `most_bytes`; a device or pipe, which may never end, is refused.
-pub(super) fn read_file(path: &Path, most_bytes: u64) -> Result<Vec<u8>, SceneError> {
+pub(in crate::load) fn read_file(path: &Path, most_bytes: u64) -> Result<Vec<u8>, SceneError> {
     read_whole(path, most_bytes).map_err(|source| SceneError::Read { path: path.to_owned(), source })
 }
 
@@ -102,6 +102,23 @@ pub(super) fn read_uri(
 /// The file that a URI means; none for inline data, or if it may not be read.
 pub(super) fn file_of(uri: &str, folder: &Path, allowed: &[PathBuf]) -> Option<PathBuf> {
     (!is_data(uri)).then(|| path_of(uri, folder, allowed).ok()).flatten()
+}
+
+/// The bytes of a file that another one at `path` refers to by its plain name, under the rules for URIs. The
+/// error says what is wrong and what to do.
+pub(in crate::load) fn read_beside(
+    name: &str,
+    path: &Path,
+    options: &LoadOptions,
+) -> Result<Vec<u8>, String> {
+    let folder = path.parent().unwrap_or(Path::new(""));
+    // In a plain name a percent sign is one.
+    let most_bytes = options.memory_limit.map_or(u64::MAX, |limit| limit.0);
+    let bytes = read_uri(&name.replace('%', "%25"), folder, &options.allowed_folders, most_bytes);
+    bytes.map_err(|error| match error {
+        UriError::Refused(problem) => problem,
+        UriError::Unreadable(error) => error.to_string(),
+    })
 }
 
 /// Why a URI gives no bytes.

@@ -53,6 +53,21 @@ pub(super) struct Asset {
 pub(super) struct RootExtensions {
     #[serde(rename = "KHR_lights_punctual")]
     pub lights_punctual: Lights,
+    #[serde(rename = "KHR_materials_variants")]
+    pub variants: Variants,
+}
+
+/// `KHR_materials_variants` at the root.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Variants {
+    pub variants: Vec<Variant>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Variant {
+    pub name: String,
 }
 
 #[derive(Debug, Default, Deserialize)]
@@ -413,17 +428,32 @@ pub(super) struct Primitive {
     pub mode: Option<u32>,
     #[serde(default)]
     pub targets: Vec<BTreeMap<String, Index>>,
-    #[cfg(feature = "draco")]
     #[serde(default)]
     pub extensions: PrimitiveExtensions,
 }
 
-#[cfg(feature = "draco")]
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
 pub(super) struct PrimitiveExtensions {
+    #[cfg(feature = "draco")]
     #[serde(rename = "KHR_draco_mesh_compression")]
     pub draco: Option<Draco>,
+    #[serde(rename = "KHR_materials_variants")]
+    pub variants: VariantMappings,
+}
+
+/// `KHR_materials_variants` of a primitive.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct VariantMappings {
+    pub mappings: Vec<VariantMapping>,
+}
+
+#[derive(Debug, Deserialize)]
+pub(super) struct VariantMapping {
+    pub material: Index,
+    #[serde(default)]
+    pub variants: Vec<Index>,
 }
 
 #[cfg(feature = "draco")]
@@ -494,6 +524,7 @@ pub(super) struct Skin {
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
 pub(super) struct Scene {
+    pub name: Option<String>,
     pub nodes: Vec<Index>,
 }
 

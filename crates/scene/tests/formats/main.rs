@@ -1,0 +1,18 @@
+//! OBJ, PLY, STL and hair files: what they mean, what is said about odd ones, and that no damage makes a
+//! loader panic.
+
+// Test builds alone see these modules anyway; saying so lets their helpers unwrap like the tests do.
+#[cfg(test)]
+mod content;
+#[cfg(test)]
+mod damage;
+#[cfg(test)]
+mod hair;
+#[cfg(test)]
+mod obj;
+#[cfg(test)]
+mod ply;
+#[cfg(test)]
+mod reading;
+#[cfg(test)]
+mod stl;
