@@ -47,6 +47,8 @@ pub(crate) enum Command {
     Methods(ListArguments),
     /// List the GPUs of this machine and what they can run.
     Devices(DevicesArguments),
+    /// Tell what a file or a built-in scene holds and what becomes of it.
+    Inspect(InspectArguments),
     /// Render a picture or a sequence of frames.
     Render(RenderArguments),
     /// Compare methods with the exact answer: a table, a page and figures for programs.
@@ -72,6 +74,18 @@ pub(crate) struct ListArguments {
 #[derive(Args, Debug)]
 pub(crate) struct DevicesArguments {
     /// File for the same in JSON, - for stdout in place of the table.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) json: Option<PathBuf>,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct InspectArguments {
+    /// Scene file, or built-in scene, NAME or NAME:KEY=VALUE,….
+    #[arg(value_name = "FILE")]
+    pub(crate) text: String,
+    #[command(flatten)]
+    pub(crate) load: LoadArguments,
+    /// File for the same in JSON, - for stdout in place of the text.
     #[arg(long, value_name = "FILE")]
     pub(crate) json: Option<PathBuf>,
 }
@@ -305,7 +319,7 @@ pub(crate) struct LoadArguments {
     #[arg(long = "allow-folder", value_name = "DIR")]
     pub(crate) allowed_folders: Vec<PathBuf>,
     /// The animation of a file to play, by its name or its number from 0; all: all that do not get in each
-    /// other's way, which is the default; none: everything at rest.
+    /// other's way, which is the default; none: everything at rest. `sheer inspect FILE` lists them.
     #[arg(long, value_name = "NAME|INDEX|all|none")]
     pub(crate) clip: Option<String>,
     /// The scene of a file to show, by its name or its number from 0; the file's own choice if not given.

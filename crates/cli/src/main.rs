@@ -43,6 +43,7 @@ fn run(command: &Command) -> anyhow::Result<()> {
         Command::Scenes(arguments) => command::scenes::run(arguments),
         Command::Methods(arguments) => command::methods::run(arguments),
         Command::Devices(arguments) => command::devices::run(arguments),
+        Command::Inspect(arguments) => command::inspect::run(arguments),
         Command::Render(arguments) => command::render::run(arguments),
         Command::Compare(arguments) => command::compare::run(arguments),
         Command::Bench(arguments) => command::bench::run(arguments),

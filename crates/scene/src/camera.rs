@@ -167,7 +167,7 @@ impl Camera {
         match &self.motion {
             CameraMotion::Node(_) => None,
             CameraMotion::Still { world_from_camera } => {
-                Some(CameraPose { world_from_camera: *world_from_camera, lens: self.lens })
+                Some(CameraPose { world_from_camera: *world_from_camera, lens: self.lens, clip: self.clip })
             }
             CameraMotion::Path { keys } => {
                 let (eye, target) = along_path(keys, time_secs);

@@ -9,9 +9,9 @@
 use glam::{Affine3A, DVec2, DVec3, Mat3, Vec3};
 
 use crate::{
-    camera::{Camera, CameraMotion, Lens},
+    camera::{Camera, CameraMotion, ClipPlanes, Lens},
     frame::for_each_vertex_over_time,
-    model::SceneParts,
+    model::{Animation, SceneParts},
 };
 
 /// Vertical field of view: that of a 50 mm lens would be 27°; a little wider shows more of the form.
@@ -67,6 +67,7 @@ pub(crate) fn framing_camera(parts: &SceneParts, aspect: f32) -> Camera {
     Camera {
         name: "static".to_owned(),
         lens: Lens::Perspective { yfov_rad: YFOV_RAD },
+        clip: ClipPlanes::NONE,
         motion: CameraMotion::Still { world_from_camera },
     }
 }
@@ -153,7 +154,7 @@ fn for_each_ball(parts: &SceneParts, visit: &mut impl FnMut(DVec3, f64)) {
 /// around; time zero where nothing moves.
 fn moments(parts: &SceneParts) -> Vec<f32> {
     let channels = || parts.animations.iter().flat_map(|animation| &animation.channels);
-    let end_secs = channels().map(|channel| channel.track.end_secs()).fold(0.0, f32::max);
+    let end_secs = parts.animations.iter().map(Animation::duration_secs).fold(0.0, f32::max);
     if end_secs <= 0.0 {
         return vec![0.0];
     }

@@ -5,6 +5,7 @@ pub(crate) mod calibrate;
 pub(crate) mod compare;
 pub(crate) mod devices;
 pub(crate) mod experiments;
+pub(crate) mod inspect;
 pub(crate) mod methods;
 pub(crate) mod render;
 pub(crate) mod scenes;

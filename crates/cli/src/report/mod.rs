@@ -4,6 +4,7 @@ pub(crate) mod benchmark;
 pub(crate) mod calibration;
 pub(crate) mod chart;
 pub(crate) mod experiments;
+pub(crate) mod inspection;
 pub(crate) mod json;
 pub(crate) mod listing;
 pub(crate) mod page;

@@ -6,6 +6,7 @@ mod compare;
 mod experiments;
 mod gpu;
 mod hostile;
+mod inspect;
 mod interruption;
 mod light;
 // The browser is talked to over descriptors that a shell hands on.

@@ -56,6 +56,10 @@ impl<'a> Source<'a> {
 
     /// Goes on without a part of the file that is not sound, and names it.
     pub(super) fn lost(&self, place: impl Display, what: impl Into<String>) -> Result<(), SceneError> {
+        let what = what.into();
+        if self.options.strict {
+            return Err(self.fault(place, format!("{what}; without --strict the rest is drawn")));
+        }
         self.repaired(place, what);
         Ok(())
     }
@@ -88,8 +92,7 @@ impl<'a> Source<'a> {
         let mut warnings = self.warnings.into_inner();
         let unsaid = self.unsaid.get();
         if unsaid > 0 {
-            let what = format!("there are {unsaid} more of these warnings");
-            warnings.push(LoadWarning::Repaired { place: "further on".to_owned(), what });
+            warnings.push(LoadWarning::More { count: unsaid });
         }
         Ok(Loaded { scene, warnings, contents })
     }

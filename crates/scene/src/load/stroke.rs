@@ -171,7 +171,9 @@ fn drawn(mesh: &Mesh, strokes: &Strokes, radius: f32) -> Mesh {
         morph_targets: (mesh.morph_targets.iter())
             .map(|target| MorphTarget {
                 positions: gather(&target.positions, &sources),
-                ..MorphTarget::default()
+                normals: Vec::new(),
+                colours: gather(&target.colours, &sources),
+                uv_sets: target.uv_sets.iter().map(|set| gather(set, &sources)).collect(),
             })
             .collect(),
         positions,
