@@ -32,6 +32,13 @@ impl Premul {
         Self { rgb: self.rgb + transmittance * back.rgb, alpha: self.alpha + transmittance * back.alpha }
     }
 
+    /// As it is seen through glass that lets so much of red, green and blue pass, 0 to 1. What glass takes of
+    /// what lies behind a clear colour it covers: by the mean of the three.
+    #[must_use]
+    pub fn filtered(self, tint: Vec3) -> Self {
+        Self { rgb: self.rgb * tint, alpha: 1.0 - mean_channel(tint) * (1.0 - self.alpha) }
+    }
+
     /// Divides by alpha; a clear colour stays black.
     #[must_use]
     pub fn to_straight(self) -> Straight {
@@ -70,6 +77,12 @@ impl From<Vec4> for Straight {
     fn from(rgba: Vec4) -> Self {
         Self { rgb: rgba.truncate(), alpha: rgba.w }
     }
+}
+
+/// Mean of red, green and blue; of three that are the same it is that, to the bit.
+#[must_use]
+pub fn mean_channel(rgb: Vec3) -> f32 {
+    rgb.x + ((rgb.y - rgb.x) + (rgb.z - rgb.x)) / 3.0
 }
 
 /// Relative luminance of linear Rec. 709 light (ITU-R BT.709-6, item 3.2).

@@ -25,5 +25,5 @@ pub use crate::{
     catalogue::{BuiltinInfo, build, catalogue},
     error::GalleryError,
     open::{open, open_with},
-    scene::layers::{LayerColours, layers_closed_form},
+    scene::layers::{LayerColours, glass_layers_closed_form, layers_closed_form},
 };

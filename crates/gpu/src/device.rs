@@ -5,7 +5,10 @@ use std::{
     fmt,
     path::PathBuf,
     str::FromStr,
-    sync::{Arc, Mutex, MutexGuard, PoisonError},
+    sync::{
+        Arc, Mutex, MutexGuard, PoisonError,
+        atomic::{AtomicBool, Ordering},
+    },
 };
 
 use wgpu::{DeviceType, DownlevelFlags, ErrorFilter, Features, TextureFormat, TextureFormatFeatureFlags};
@@ -187,6 +190,9 @@ pub struct Gpu {
     /// Where the sources of shaders are written, if anywhere.
     pub(crate) shader_folder: Option<PathBuf>,
     open: Mutex<Open>,
+    /// Whether the scene sent last has coloured glass: pipelines are made before they meet their stage, and
+    /// are spared making their shaders twice where the guess is right.
+    expects_glass: AtomicBool,
 }
 
 /// Nothing is left half-done by a panic here.
@@ -215,6 +221,7 @@ impl Gpu {
             report,
             shader_folder: linked::folder(),
             open: Mutex::new(open),
+            expects_glass: AtomicBool::new(false),
         }))
     }
 
@@ -256,6 +263,16 @@ impl Gpu {
     /// The device's features.
     pub(crate) fn features(&self) -> Features {
         lock(&self.open).device.features()
+    }
+
+    /// Whether the scene sent last has coloured glass.
+    pub(crate) fn expects_glass(&self) -> bool {
+        self.expects_glass.load(Ordering::Relaxed)
+    }
+
+    /// Tells that a scene has been sent, and whether it has coloured glass.
+    pub(crate) fn expect_glass(&self, has_glass: bool) {
+        self.expects_glass.store(has_glass, Ordering::Relaxed);
     }
 
     /// Takes a new device in the place of a lost one. Nothing happens if that was done since `generation`.

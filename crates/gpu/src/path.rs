@@ -57,6 +57,11 @@ impl GpuPath {
     }
 
     /// Whether an adapter has what the path cannot do without.
+    /// Whether light that shines through coloured glass takes its colour.
+    pub(crate) fn follows_glass(self) -> bool {
+        self == Self::Ray
+    }
+
     fn check(self, report: &AdapterReport) -> Result<(), GpuError> {
         let tracer = if report.ray_query { Tracer::Query } else { Tracer::Bvh };
         let needed = self.storage_buffer_count(tracer);

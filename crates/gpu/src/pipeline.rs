@@ -87,6 +87,8 @@ struct Resources {
     /// With the version of the stage that it was made for.
     scene_group: Option<(u64, wgpu::BindGroup)>,
     generation: u32,
+    /// Whether its shaders follow the light through coloured glass.
+    has_glass: bool,
 }
 
 /// A method and its accumulated history.
@@ -114,8 +116,16 @@ impl GpuPipeline {
         antialiasing: Antialiasing,
         settings: Settings,
     ) -> Result<Self, GpuError> {
-        let (path, notes) = choose_path(gpu, choice, &method)?;
-        let resources = Resources::new(gpu, path, &method, antialiasing, &settings)?;
+        let (path, mut notes) = choose_path(gpu, choice, &method)?;
+        let has_glass = gpu.expects_glass();
+        if has_glass && !path.follows_glass() {
+            notes.push(format!(
+                "{method} is drawn by raster, where light passes coloured glass in grey; --backend cpu has its colours, \
+                 gpu:ray those of methods that go by rays"
+            ));
+        }
+        let has_glass = has_glass && path.follows_glass();
+        let resources = Resources::new(gpu, path, &method, antialiasing, &settings, has_glass)?;
         Ok(Self {
             gpu: Arc::clone(gpu),
             method,
@@ -206,9 +216,17 @@ impl GpuPipeline {
     /// Sends a frame off; how many rays make its shadow maps.
     fn try_submit(&mut self, stage: &mut GpuStage, index: u32) -> Result<u64, GpuError> {
         stage.renew()?;
-        if self.resources.generation != self.gpu.generation() {
-            self.resources =
-                Resources::new(&self.gpu, self.path, &self.method, self.antialiasing, &self.settings)?;
+        // Shaders that follow light through coloured glass are others: scenes without it do not pay for it.
+        let has_glass = self.path.follows_glass() && stage.frame().tints_light();
+        if self.resources.generation != self.gpu.generation() || self.resources.has_glass != has_glass {
+            self.resources = Resources::new(
+                &self.gpu,
+                self.path,
+                &self.method,
+                self.antialiasing,
+                &self.settings,
+                has_glass,
+            )?;
         }
         let frame = self.settings.first_frame + index;
         let Settings { size, seed, background, .. } = self.settings;
@@ -257,6 +275,7 @@ impl Resources {
         method: &Method,
         antialiasing: Antialiasing,
         settings: &Settings,
+        has_glass: bool,
     ) -> Result<Self, GpuError> {
         let generation = gpu.generation();
         let device = gpu.device();
@@ -291,6 +310,9 @@ impl Resources {
             .transpose()?;
         // Shaders: light first, since all that shades is linked with the way it is looked up.
         let mut linker = base_linker(gpu.tracer()).constants(table_words.constants());
+        if has_glass {
+            linker = with_glass(linker);
+        }
         if let Some(maps) = maps {
             linker = linker.alias("shadow", "shared/shadow_map").constants(maps.constants());
         }
@@ -331,6 +353,7 @@ impl Resources {
             pass_group,
             scene_group: None,
             generation,
+            has_glass,
         })
     }
 
@@ -446,4 +469,12 @@ pub(crate) fn base_linker(tracer: Tracer) -> Linker {
         // What a camera ray goes through, which on the raster path is something else.
         .alias("camera", traverse)
         .alias("shadow", "shared/shadow_deep")
+        // Nothing tints what shines through it.
+        .alias("glass", "shared/glass_none")
+        .alias("tint", "shared/tint_none")
+}
+
+/// The same for scenes with coloured glass.
+pub(crate) fn with_glass(linker: Linker) -> Linker {
+    linker.alias("glass", "shared/glass").alias("tint", "shared/tint")
 }

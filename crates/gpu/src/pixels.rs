@@ -41,6 +41,7 @@ impl From<LayersRecord> for PixelLayers {
         let depth = |depth: f32| if depth >= NO_DEPTH { f32::INFINITY } else { depth };
         Self {
             coverage: record.coverage,
+            absorbed: record.absorbed,
             share: record.share,
             is_front: record.is_front != 0,
             front_motion: record.front_motion.into(),

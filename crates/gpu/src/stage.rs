@@ -144,6 +144,7 @@ impl GpuStage {
         });
         let generation = gpu.generation();
         let (scene, accel) = pool.install(|| upload(gpu, animator.frame()))?;
+        gpu.expect_glass(animator.frame().tints_light());
         let build_ms = start.elapsed().as_secs_f64() * 1e3;
         Ok(Self {
             gpu: Arc::clone(gpu),

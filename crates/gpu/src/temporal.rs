@@ -236,8 +236,10 @@ mod tests {
             let seen = random.below(8) > 0;
             let coverage = [0.0, 1.0, random.range(0.01, 0.99)][random.below(3) as usize];
             let share = if coverage > 0.0 && coverage < 1.0 { random.range(0.1, 0.9) } else { coverage };
+            let absorbed = [(); 3].map(|()| (1.0 - coverage) * random.range(-0.5, 0.5).max(0.0));
             let layers = PixelLayers {
                 coverage,
+                absorbed,
                 share,
                 is_front: random.next_f32() < share,
                 front_motion,
@@ -292,7 +294,7 @@ mod tests {
             front_depth: layers.front_depth.min(NO_DEPTH),
             back_depth: layers.back_depth.min(NO_DEPTH),
             is_front: u32::from(layers.is_front),
-            padding: 0,
+            absorbed: layers.absorbed,
         };
         planes.layers.as_ref().unwrap().as_slice().iter().map(record).collect()
     }

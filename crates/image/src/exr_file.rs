@@ -20,8 +20,11 @@ struct LayerChannel {
 }
 
 /// The channels of [`Planes::layers`]; a file has layers if it has the first of them.
-const LAYER_CHANNELS: [LayerChannel; 9] = [
+const LAYER_CHANNELS: [LayerChannel; 12] = [
     LayerChannel { name: "front.coverage", get: |of| of.coverage, set: |of, to| of.coverage = to },
+    LayerChannel { name: "front.absorbed.R", get: |of| of.absorbed[0], set: |of, to| of.absorbed[0] = to },
+    LayerChannel { name: "front.absorbed.G", get: |of| of.absorbed[1], set: |of, to| of.absorbed[1] = to },
+    LayerChannel { name: "front.absorbed.B", get: |of| of.absorbed[2], set: |of, to| of.absorbed[2] = to },
     LayerChannel { name: "front.share", get: |of| of.share, set: |of, to| of.share = to },
     LayerChannel { name: "front.shaded", get: |of| mask(of.is_front), set: |of, to| of.is_front = to > 0.5 },
     LayerChannel {
@@ -61,6 +64,7 @@ fn mask(is: bool) -> f32 {
 /// | channels | what | unit |
 /// |---|---|---|
 /// | `front.coverage` | share of the front in what is seen | 0 to 1 |
+/// | `front.absorbed.R …G …B` | shares of the back that its coloured glass absorbs beyond that | 0 to 1 |
 /// | `front.share` | probability with which the shaded fragment was to be one of the front | 0 to 1 |
 /// | `front.shaded` | whether it is one of the front | 0 or 1 |
 /// | `front.motion.X front.motion.Y` | motion of the front | pixels, y down |
@@ -286,6 +290,7 @@ mod tests {
             let seed = (10 * y + x) as f32;
             layers[(x, y)] = PixelLayers {
                 coverage: 0.25,
+                absorbed: [0.125, 0.375, 0.625],
                 share: 0.75,
                 is_front: x > 0,
                 front_motion: [-2.5, 3.5 + seed],

@@ -31,6 +31,10 @@ pub struct Pixel {
 pub struct PixelLayers {
     /// Share of the front in what is seen, `1 - Π (1 - alpha)` over its fragments, 0 to 1.
     pub coverage: f32,
+    /// Shares of the red, green and blue of the back that coloured glass in the front absorbs, beyond what
+    /// the coverage hides: `1 - coverage - absorbed` of each is seen. 0 without coloured glass. A sample of
+    /// the back has not been filtered by it.
+    pub absorbed: [f32; 3],
     /// Probability with which the shaded fragment was to be one of the front.
     pub share: f32,
     /// Whether it is one of the front.
@@ -50,6 +54,7 @@ impl PixelLayers {
     /// No front before an infinitely distant back.
     pub const EMPTY: Self = Self {
         coverage: 0.0,
+        absorbed: [0.0; 3],
         share: 0.0,
         is_front: false,
         front_motion: [0.0; 2],

@@ -43,7 +43,7 @@ pub use storage::{
     Look, MIRRORED, MorphedAttributes, NO_TEXTURE, OPAQUE, SINGLE_SIDED, SLOT, StaticCounts, TINTED,
     TriangleOpacity,
 };
-pub use surface::{Beam, Surface};
+pub use surface::{Beam, Surface, Transmitted};
 
 /// Which side of a triangle is seen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -339,6 +339,13 @@ impl Frame {
         } else {
             self.stored_opacity(slot, u, v, width)
         }
+    }
+
+    /// Whether the light that passes a triangle takes its colour.
+    #[must_use]
+    #[inline]
+    pub fn is_tinted(&self, triangle: u32) -> bool {
+        self.flags(triangle) & TINTED != 0
     }
 
     /// Whether the light that passes a surface somewhere takes its colour.

@@ -25,7 +25,7 @@ pub use crate::{
     frame::{
         Animator, Beam, FaceSide, Frame, FrameLight, HEAD_ON, LEAST_GRAZING, Look, MIRRORED, MeshInstance,
         MorphedAttributes, NO_TEXTURE, OPAQUE, Object, SINGLE_SIDED, SLOT, Sharing, StaticCounts, Surface,
-        TINTED, TriangleOpacity, scene_lights,
+        TINTED, Transmitted, TriangleOpacity, scene_lights,
     },
     keys::Interpolate,
     load::{LoadOptions, LoadWarning, Loaded, open, open_with},

@@ -225,9 +225,17 @@ pub struct Material {
     /// Multiplies the opacity after the alpha mode has had its say; 1 unless overridden for the whole scene.
     pub opacity: f32,
     /// Share of the light that meets the surface and shines through it in its base colour, below 1; the
-    /// opacity is what is left when that share is taken out. It colours shadows
-    /// ([`crate::Frame::light_through`]); 0 casts a grey shadow of what the opacity leaves.
+    /// opacity is what is left when that share is taken out. It colours what is seen through the surface and
+    /// the shadows that it casts ([`crate::Frame::light_through`]); 0 leaves grey what the opacity leaves.
     pub transmission: f32,
+    /// Thickness of the body that lies under the front of the surface, in the units of its mesh; 0 for a
+    /// surface without one.
+    pub thickness: f32,
+    /// Linear texture: a factor on the thickness in green.
+    pub thickness_texture: Option<TextureRef>,
+    /// What the body takes of the light that is transmitted, red, green and blue: after a world unit of its
+    /// thickness `exp(-absorption)` is left (Beer and Lambert). At least 0.
+    pub absorption: Vec3,
     /// 0 dielectric, 1 metal.
     pub metallic: f32,
     /// Perceptual roughness, 0 to 1.
@@ -260,6 +268,9 @@ impl Default for Material {
             alpha_mode: AlphaMode::Opaque,
             opacity: 1.0,
             transmission: 0.0,
+            thickness: 0.0,
+            thickness_texture: None,
+            absorption: Vec3::ZERO,
             metallic: 0.0,
             roughness: 1.0,
             metallic_roughness_texture: None,

@@ -253,6 +253,7 @@ fn validate_materials(parts: &SceneParts) -> Result<(), Fault> {
             material.normal_texture,
             material.occlusion_texture,
             material.emissive_texture,
+            material.thickness_texture,
         ];
         let exist = textures.iter().flatten().all(|used| (used.texture as usize) < parts.textures.len());
         check(exist, place, "it uses a texture that is not there")?;
@@ -261,6 +262,9 @@ fn validate_materials(parts: &SceneParts) -> Result<(), Fault> {
         let ranged = [material.opacity, material.metallic, material.roughness, material.base_colour.w];
         check(ranged.iter().all(|value| (0.0..=1.0).contains(value)), place, "a factor is not in [0, 1]")?;
         check((0.0..1.0).contains(&material.transmission), place, "its transmission is not in [0, 1)")?;
+        let body = [material.thickness].into_iter().chain(material.absorption.to_array());
+        let is_sound = body.into_iter().all(|value| value >= 0.0 && value.is_finite());
+        check(is_sound, place, "its thickness or absorption is below 0 or not finite")?;
     }
     Ok(())
 }

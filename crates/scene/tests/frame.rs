@@ -502,7 +502,7 @@ fn light_takes_the_colour_of_what_it_shines_through() {
         let animator = Animator::new(scene, camera);
         let frame = animator.frame();
         assert_eq!(frame.tints_light(), transmission > 0.0);
-        let found = frame.light_through(0, 0.3, 0.3, frame.opacity(0, 0.3, 0.3, 0.0), 0.0);
+        let found = frame.light_through(0, 0.3, 0.3, true, frame.opacity(0, 0.3, 0.3, 0.0), 0.0);
         found.to_array().map(|channel| (channel * 1e4).round() / 1e4)
     };
     // No transmission: grey. Glass all over the surface: its transmission times its colour. Glass over half
@@ -516,4 +516,28 @@ fn light_takes_the_colour_of_what_it_shines_through() {
     assert_eq!(through(0.0, 0.8, None), [1.0, 1.0, 1.0]);
     assert_eq!(through(1.0, 0.8, None), [0.0, 0.0, 0.0]);
     assert_eq!(through(0.2, 0.8, Some(0.5)), [0.5, 0.25, 0.0]);
+}
+
+#[test]
+fn a_body_absorbs_its_thickness_in_the_world_once() {
+    let material = Material {
+        alpha_mode: AlphaMode::Blend,
+        base_colour: Vec4::new(1.0, 1.0, 1.0, 0.2),
+        transmission: 0.8,
+        thickness: 0.25,
+        absorption: Vec3::new(0.0, 1.0, 2.0),
+        ..Material::default()
+    };
+    // Twice as large in the world as in the mesh.
+    let transform =
+        Transform::Trs { translation: Vec3::ZERO, rotation: Quat::IDENTITY, scale: Vec3::splat(2.0) };
+    let scene = Arc::new(Scene::new(parts_with(quad(), material, transform)).unwrap());
+    let camera = scene.camera(&CameraChoice::Default).unwrap();
+    let animator = Animator::new(scene, camera);
+    let through =
+        |counter_clockwise: bool| animator.frame().light_through(0, 0.3, 0.3, counter_clockwise, 0.2, 0.0);
+    let expected = 0.8 * (-0.5 * Vec3::new(0.0, 1.0, 2.0)).exp();
+    assert!(through(true).abs_diff_eq(expected, 1e-6), "{} {expected}", through(true));
+    // Where a ray leaves a body it has paid already.
+    assert!(through(false).abs_diff_eq(Vec3::splat(0.8), 1e-6), "{}", through(false));
 }

@@ -1,6 +1,6 @@
 //! `layers`: constant layers over a constant background. What a pixel has to be is known in closed form.
 
-use glam::{Affine3A, Vec2, Vec3, Vec4};
+use glam::{Affine3A, Vec2, Vec3};
 use sheer_core::parameter::{ParameterInfo, ParameterRange, Values};
 use sheer_scene::{
     Scene, SceneError,
@@ -25,10 +25,17 @@ pub(crate) const PARAMETERS: &[ParameterInfo] = &[
         what: "opacity of each layer",
     },
     ParameterInfo {
+        key: "transmission",
+        default: "0",
+        range: ParameterRange::Real(0.0, 0.95),
+        what: "share of the light that each layer transmits in its colour, as glass does; its opacity stays",
+    },
+    ParameterInfo {
         key: "colours",
         default: "white",
         range: ParameterRange::Choice(&LayerColours::WORDS),
-        what: "white layers over grey, distinct hues over grey, or red and green in turn over blue (ST Example 1)",
+        what: "white layers over grey, distinct hues over grey, red and green in turn over blue (ST Example 1), \
+               or amber, blue and green in turn over grey, none of them bright",
     },
     ParameterInfo {
         key: "background",
@@ -65,15 +72,19 @@ pub enum LayerColours {
     Rainbow,
     /// Red, green, red… over blue, as in Example 1 of ST section 3.1.
     RedGreen,
+    /// Amber, blue, green, amber… over grey: of stained glass, which takes something of every channel.
+    Stained,
 }
 
 impl LayerColours {
-    const WORDS: [&'static str; 3] = ["white", "rainbow", "red-green"];
+    const WORDS: [&'static str; 4] = ["white", "rainbow", "red-green", "stained"];
+    const STAINED: [Vec3; 3] =
+        [Vec3::new(0.75, 0.5, 0.0), Vec3::new(0.0, 0.5, 0.75), Vec3::new(0.25, 0.75, 0.5)];
 
     /// The modes by their words on the command line.
     #[must_use]
     pub fn from_word(word: &str) -> Option<Self> {
-        let modes = [Self::White, Self::Rainbow, Self::RedGreen];
+        let modes = [Self::White, Self::Rainbow, Self::RedGreen, Self::Stained];
         Self::WORDS.iter().position(|known| *known == word).map(|at| modes[at])
     }
 
@@ -88,6 +99,7 @@ impl LayerColours {
                     .map(|offset| 0.5 + 0.5 * (std::f32::consts::TAU * (turn - offset)).cos())
             }
             Self::RedGreen => [Vec3::X, Vec3::Y][index as usize % 2],
+            Self::Stained => Self::STAINED[index as usize % 3],
         }
     }
 
@@ -100,11 +112,28 @@ impl LayerColours {
 /// `Σ a·(1-a)^i·colour_i + (1-a)^count·background` (STD Eq. 1, unrolled).
 #[must_use]
 pub fn layers_closed_form(count: u32, alpha: f32, colours: LayerColours, background: f32) -> Vec3 {
-    let mut transmittance = 1.0;
+    glass_layers_closed_form(count, alpha, 0.0, colours, background)
+}
+
+/// The same for layers of glass: `Σ a·T_0…T_(i-1)·colour_i + T_0…T_(count-1)·background` with `T_i = 1 - a -
+/// s·(1 - colour_i)` in red, green and blue; of the light that passes the opacity, `s = a·t / (1-t)` with `t
+/// = transmission` takes on colour, all of it at most.
+#[must_use]
+pub fn glass_layers_closed_form(
+    count: u32,
+    alpha: f32,
+    transmission: f32,
+    colours: LayerColours,
+    background: f32,
+) -> Vec3 {
+    let passes = 1.0 - alpha;
+    let coloured = (alpha * transmission / (1.0 - transmission)).min(passes);
+    let mut transmittance = Vec3::ONE;
     let mut sum = Vec3::ZERO;
     for index in 0..count {
-        sum += transmittance * alpha * colours.layer(index, count);
-        transmittance *= 1.0 - alpha;
+        let colour = colours.layer(index, count);
+        sum += transmittance * alpha * colour;
+        transmittance *= passes - coloured * (Vec3::ONE - colour);
     }
     sum + transmittance * colours.background(background)
 }
@@ -117,6 +146,7 @@ const SPACING: f32 = 0.25;
 pub(crate) fn build(values: &Values) -> Result<Scene, SceneError> {
     let values = values.clone().with_defaults(preset(values.text("preset")));
     let (count, alpha) = (values.count("count"), values.real("alpha"));
+    let transmission = values.real("transmission");
     let colours = LayerColours::from_word(values.text("colours")).expect("checked against its range");
     let mut builder = SceneBuilder::new("layers", Environment::black());
 
@@ -124,17 +154,23 @@ pub(crate) fn build(values: &Values) -> Result<Scene, SceneError> {
     let mut order: Vec<u32> = (0..count).collect();
     Rng::new(values.count(SEED.key), "layers").shuffle(&mut order);
     for index in order {
-        let colour = colours.layer(index, count).extend(alpha);
-        put_sheet(
-            &mut builder,
-            &format!("layer {index}"),
-            AlphaMode::Blend,
-            colour,
-            -(index as f32) * SPACING,
-        );
+        let layer = Material {
+            name: format!("layer {index}"),
+            model: ShadingModel::Luminous,
+            base_colour: colours.layer(index, count).extend(alpha),
+            alpha_mode: AlphaMode::Blend,
+            transmission,
+            ..Material::default()
+        };
+        put_sheet(&mut builder, layer, -(index as f32) * SPACING);
     }
-    let behind = colours.background(values.real("background")).extend(1.0);
-    put_sheet(&mut builder, "background", AlphaMode::Opaque, behind, -(count as f32) * SPACING);
+    let behind = Material {
+        name: "background".to_owned(),
+        model: ShadingModel::Luminous,
+        base_colour: colours.background(values.real("background")).extend(1.0),
+        ..Material::default()
+    };
+    put_sheet(&mut builder, behind, -(count as f32) * SPACING);
 
     let key = CameraKey { time_secs: 0.0, eye: Vec3::Z, target: Vec3::ZERO };
     builder.camera(Camera {
@@ -146,21 +182,16 @@ pub(crate) fn build(values: &Values) -> Result<Scene, SceneError> {
     builder.finish()
 }
 
-fn put_sheet(builder: &mut SceneBuilder, name: &str, alpha_mode: AlphaMode, base_colour: Vec4, depth: f32) {
-    let material = builder.material(Material {
-        name: name.to_owned(),
-        model: ShadingModel::Luminous,
-        base_colour,
-        alpha_mode,
-        ..Material::default()
-    });
+fn put_sheet(builder: &mut SceneBuilder, material: Material, depth: f32) {
+    let name = material.name.clone();
+    let material = builder.material(material);
     let mut model = Model::default();
     model.paint(material, Vec3::ONE).panel(
         -HALF_EXTENT.extend(0.0),
         Vec3::X * 2.0 * HALF_EXTENT.x,
         Vec3::Y * 2.0 * HALF_EXTENT.y,
     );
-    let prop = builder.prop(name, model);
+    let prop = builder.prop(&name, model);
     builder.place(&prop, Affine3A::from_translation(Vec3::Z * depth));
 }
 
@@ -214,6 +245,18 @@ mod tests {
         assert!((second.rgb - Vec3::splat(0.7627)).abs().max_element() < 5e-5, "{second:?}");
         // Negative control: without a preset the scene is another one.
         assert_ne!(sheets("layers:preset=none").len(), sheets("layers:preset=example-2").len());
+    }
+
+    #[test]
+    fn glass_filters_what_is_behind_it_and_no_transmission_is_no_glass() {
+        // 0.5 amber and what 0.5 of white becomes: a quarter keeps its colour, a quarter is filtered.
+        let one = glass_layers_closed_form(1, 0.5, 1.0 / 3.0, LayerColours::Stained, 1.0);
+        assert!(one.abs_diff_eq(Vec3::new(0.8125, 0.625, 0.25), 1e-6), "{one}");
+        // All of it is filtered, and amber before blue is nearly black.
+        let two = glass_layers_closed_form(2, 0.1, 0.95, LayerColours::Stained, 1.0);
+        assert!(two.x < 0.1 && two.z < 0.1 && two.y > 0.2, "{two}");
+        let without = glass_layers_closed_form(3, 0.2, 0.0, LayerColours::Rainbow, 0.4);
+        assert_eq!(without, layers_closed_form(3, 0.2, LayerColours::Rainbow, 0.4));
     }
 
     #[test]

@@ -8,6 +8,7 @@
 #import shared/project_motion
 #import struct/LayersRecord
 #import tail
+#import tint
 
 @group(GROUP_PASS) @binding(BIND_LAYERS) var<storage, read_write> layer_records: array<LayersRecord>;
 
@@ -78,10 +79,19 @@ fn cs_find(@builtin(global_invocation_id) id: vec3u) {
         found = Found(choice.is_found, choice.hit, true, choice.is_tail, rgb);
     }
     surfaces[index] = surface_from_found(found);
+    // A back is kept as it is, and seen through the glass of this frame.
+    let has_back = !is_dense && has_front;
+    var tint = vec3f(1.0);
+    if has_back {
+        tint = tint_before(ray, has_opaque, opaque);
+        surfaces[index].w |= select(SURFACE_BEHIND_GLASS, 0u, choice.is_front);
+    }
 
     // How both layers move.
     var record: LayersRecord;
     record.coverage = coverage;
+    let absorbed = (1.0 - coverage) * (vec3f(1.0) - tint);
+    record.absorbed = array(absorbed.x, absorbed.y, absorbed.z);
     record.share = choice.share;
     record.is_front = select(0u, 1u, choice.is_front || is_dense);
     record.front_depth = NO_DEPTH;

@@ -59,7 +59,7 @@ fn trace_hybrid(pixel: vec2u, ray: CameraRay) {
         } else {
             let rest = gather_rest(pixel, ray);
             shows_surface = rest.found;
-            behind = select(background(ray), vec4f(rest.tail_rgb, 1.0), rest.is_tail);
+            behind = select(background_through_glass(ray), vec4f(rest.tail_rgb, 1.0), rest.is_tail);
         }
         let goes_on = is_exact && gather_goes_on();
         shade_layers(pixel, ray);
@@ -75,7 +75,7 @@ fn trace_hybrid(pixel: vec2u, ray: CameraRay) {
         is_exact = false;
     }
     if is_exact && !shows_surface {
-        behind = over(tail(pixel), background(ray));
+        behind = over(tail(pixel), background_through_glass(ray));
     }
     let colour = over(vec4f(rgb_premul, 1.0 - visibility_left), select(behind, vec4f(0.0), shows_surface));
     write_pixel(pixel, colour, ray, shows_surface, last, any_transparent);

@@ -9,7 +9,9 @@ fn cs_shade(@builtin(global_invocation_id) id: vec3u) {
     }
     pixel_at = id.xy;
     let ray = camera_ray(sample_of(pixel_at));
-    let found = found_from_surface(surfaces[pixel_at.y * frame.size.x + pixel_at.x]);
-    write_pixel(pixel_at, seen_by(ray, found, pixel_at), ray, found.found, found.hit, found.transparent);
+    let surface = surfaces[pixel_at.y * frame.size.x + pixel_at.x];
+    let found = found_from_surface(surface);
+    let colour = seen_by(ray, found, (surface.w & SURFACE_BEHIND_GLASS) != 0u, pixel_at);
+    write_pixel(pixel_at, colour, ray, found.found, found.hit, found.transparent);
     hand_in_counts();
 }

@@ -39,7 +39,7 @@ fn visit_blocker(hit: Hit) -> u32 {
     if hit.t >= opaque_depth || alpha >= 1.0 || alpha < MIN_ALPHA {
         return GO_ON;
     }
-    let through = light_through(hit.triangle, hit.u, hit.v, alpha, width);
+    let through = light_through(hit.triangle, hit.u, hit.v, hit.front, alpha, width);
     blockers_through *= through;
     last_blocker = select(max(last_blocker, hit.t), hit.t, last_blocker == FAR_AWAY);
     let random = pcg4d(vec4u(texel_number, hit.triangle, texel_key, 0u));

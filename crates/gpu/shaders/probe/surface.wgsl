@@ -51,7 +51,7 @@ fn cs_probe(@builtin(global_invocation_id) id: vec3u) {
     answer3(surface.position);
     answer3(surface.previous_position);
     answer3(surface.emissive);
-    answer3(light_through(query.triangle, query.u, query.v, alpha, query.width));
+    answer3(light_through(query.triangle, query.u, query.v, counter_clockwise, alpha, query.width));
     let corners = corners_in_object(query.triangle);
     answer3(corners[0]);
     answer3(corners[1]);

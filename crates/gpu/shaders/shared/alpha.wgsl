@@ -1,10 +1,12 @@
 // What a camera ray makes of a hit.
+#import glass
 #import shared/scene
 
-// Opacity for the camera; 0 where it is less than anyone would see.
+// Opacity for the camera, of coloured glass to the channel that passes best; 0 where it is less than anyone
+// would see.
 fn alpha_of(hit: Hit) -> f32 {
-    let alpha = opacity_for_camera(hit.triangle, hit.u, hit.v, hit.front, pixel_width_at(hit.t));
-    return select(0.0, alpha, alpha >= MIN_ALPHA);
+    let width = pixel_width_at(hit.t);
+    return method_alpha(hit, opacity_for_camera(hit.triangle, hit.u, hit.v, hit.front, width), width);
 }
 
 // Whether a hit lies behind another in the order of all hits: by depth, then triangle.

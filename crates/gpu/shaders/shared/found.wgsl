@@ -15,6 +15,8 @@ struct Found {
 const SURFACE_FRONT: u32 = 1u;
 const SURFACE_TRANSPARENT: u32 = 2u;
 const SURFACE_TAIL: u32 = 4u;
+// What is seen is kept as it is behind the glass in front of it.
+const SURFACE_BEHIND_GLASS: u32 = 8u;
 
 // In 16 bytes: triangle, weights of its second and third vertex, flags; of a tail the colour in place of the
 // weights, and no triangle.

@@ -9,8 +9,9 @@
 #import shared/scene
 #import shared/shade
 #import shared/surface
+#import tint
 
-// What a camera ray that meets nothing sees, premultiplied.
+// What a camera ray that meets nothing sees, glass left out; premultiplied.
 fn background(ray: CameraRay) -> vec4f {
     switch frame.background_kind {
         case BACKGROUND_ENVIRONMENT: {
@@ -25,21 +26,40 @@ fn background(ray: CameraRay) -> vec4f {
     }
 }
 
-// A hit taken as opaque, or the background, premultiplied.
-fn seen(ray: CameraRay, found: bool, hit: Hit, pixel: vec2u) -> vec4f {
+// A premultiplied colour as it is seen through glass: twin of `Premul::filtered`.
+fn filtered_by(colour: vec4f, tint: vec3f) -> vec4f {
+    return vec4f(colour.rgb * tint, 1.0 - mean_channel(tint) * (1.0 - colour.w));
+}
+
+// The background through the tints of all glass.
+fn background_through_glass(ray: CameraRay) -> vec4f {
+    return filtered_by(background(ray), tint_before(ray, false, Hit()));
+}
+
+// A hit taken as opaque, or the background, as if no glass were in front of it; premultiplied.
+fn unfiltered(ray: CameraRay, found: bool, hit: Hit, pixel: vec2u) -> vec4f {
     if found {
         counted.shaded += 1u;
-        return vec4f(shade(ray, hit, pixel), 1.0);
+        return vec4f(shade_unfiltered(ray, hit, pixel), 1.0);
     }
     return background(ray);
 }
 
-// What a stochastic ray shows, premultiplied.
-fn seen_by(ray: CameraRay, found: Found, pixel: vec2u) -> vec4f {
+// The same through all glass in front of it.
+fn seen(ray: CameraRay, found: bool, hit: Hit, pixel: vec2u) -> vec4f {
+    return filtered_by(unfiltered(ray, found, hit, pixel), tint_before(ray, found, hit));
+}
+
+// What a stochastic ray shows, premultiplied; glass has its part in it unless the pixel is a layer behind it.
+fn seen_by(ray: CameraRay, found: Found, is_behind_glass: bool, pixel: vec2u) -> vec4f {
     if found.is_tail {
         return vec4f(found.tail_rgb, 1.0);
     }
-    return seen(ray, found.found, found.hit, pixel);
+    let colour = unfiltered(ray, found.found, found.hit, pixel);
+    if is_behind_glass {
+        return colour;
+    }
+    return filtered_by(colour, tint_before(ray, found.found, found.hit));
 }
 
 // One premultiplied colour over another.

@@ -9,6 +9,7 @@
 #import shared/surface
 #import shared/vector
 #import shadow
+#import tint
 
 // Light that arrives at a surface from one light.
 struct Incident {
@@ -33,8 +34,19 @@ struct Reflectance {
     roughness: f32,
 }
 
-// Linear radiance times exposure that leaves a hit towards the camera.
+// Linear radiance times exposure of a hit, as it arrives through the tints of all glass in front of it: twin
+// of `Tracer::shade_through_glass`.
 fn shade(ray: CameraRay, hit: Hit, pixel: vec2u) -> vec3f {
+    return shade_unfiltered(ray, hit, pixel) * tint_before(ray, true, hit);
+}
+
+// The same as it leaves the hit, less what shines through it: twin of `Tracer::shade`.
+fn shade_unfiltered(ray: CameraRay, hit: Hit, pixel: vec2u) -> vec3f {
+    return radiance_of(ray, hit, pixel) * own_share(ray, hit);
+}
+
+// The same of an ordinary surface.
+fn radiance_of(ray: CameraRay, hit: Hit, pixel: vec2u) -> vec3f {
     // As wide as a pixel is at the depth of the hit, which is nearer than the hit itself towards corners.
     let position = position_at(hit.triangle, vec3f(1.0 - hit.u - hit.v, hit.u, hit.v));
     let beam = Beam(ray.direction, pixel_width_at(view_depth(position)));

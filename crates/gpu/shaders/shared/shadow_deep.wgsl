@@ -33,7 +33,7 @@ fn visit_shadow(hit: Hit) -> u32 {
     let alpha = opacity(hit.triangle, hit.u, hit.v, light_width);
     if alpha >= MIN_ALPHA {
         if frame.tinted != 0u {
-            light_left *= light_through(hit.triangle, hit.u, hit.v, alpha, light_width);
+            light_left *= light_through(hit.triangle, hit.u, hit.v, hit.front, alpha, light_width);
         } else {
             light_left *= 1.0 - alpha;
         }

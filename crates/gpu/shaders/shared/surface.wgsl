@@ -283,7 +283,7 @@ fn texel_density(corners: array<vec3f, 3>, uvs: array<vec2f, 3>, size: vec2f) ->
 fn apply_textures(material: u32, found: Attributes, beam: Beam, bare: Surface) -> Surface {
     var surface = bare;
     let ellipse = ellipse_of(found.corners, beam);
-    for (var index = 0u; index < TEXTURE_COUNT; index++) {
+    for (var index = 0u; index < SHADED_TEXTURE_COUNT; index++) {
         let used = materials[material].textures[index];
         if used.texture == NONE {
             continue;
@@ -345,33 +345,67 @@ fn handedness(found: Attributes, uv_area: f32) -> f32 {
     return -(signum(uv_area) * signum(dot(winding, found.normal)));
 }
 
-// Share of the light, red, green and blue, that passes a point of a triangle whose opacity there is `alpha`,
-// in a beam of a width (McGuire and Enderton 2011, section 2; see `Frame::light_through`).
-fn light_through(triangle: u32, u: f32, v: f32, alpha: f32, width: f32) -> vec3f {
-    if (triangles[triangle].y & TINTED) == 0u {
-        return vec3f(1.0 - alpha);
-    }
-    let object = triangles[triangle].x;
-    let transmission = materials[objects[object].material].transmission;
-    let base_colour = clamp(base_colour_at(object, triangle, u, v, width), vec3f(0.0), vec3f(1.0));
-    let coverage = alpha / (1.0 - transmission);
-    if coverage <= 1.0 {
-        return 1.0 - coverage * (1.0 - transmission * base_colour);
-    }
-    return (1.0 - alpha) * base_colour;
+// Light that a surface lets through in its colour: twin of `sheer_scene::Transmitted`.
+struct Transmitted {
+    // Share of the light that meets the surface, before it is filtered.
+    share: f32,
+    // What is left of that in red, green and blue.
+    filtered: vec3f,
 }
 
-// The base colour of a surface alone, in a beam that meets it head on: twin of `Frame::base_colour`.
-fn base_colour_at(object: u32, triangle: u32, u: f32, v: f32, width: f32) -> vec3f {
-    let weights = vec3f(1.0 - u - v, u, v);
-    let found = attributes_at(object, triangle, weights, corners_in_world(triangle), vec3f(0.0));
-    let material = objects[object].material;
-    let bare = materials[material].base_colour * found.tint;
-    let used = materials[material].textures[TEXTURE_BASE_COLOUR];
-    if used.texture == NONE {
-        return bare;
+// Share of the light, red, green and blue, that passes a point of a triangle whose opacity there is `alpha`,
+// in a beam of a width that finds its vertices counter-clockwise (or not): see `Frame::light_through`.
+fn light_through(triangle: u32, u: f32, v: f32, counter_clockwise: bool, alpha: f32, width: f32) -> vec3f {
+    let passing = transmitted(triangle, u, v, counter_clockwise, alpha, width);
+    return vec3f(1.0 - alpha) - passing.share * (vec3f(1.0) - passing.filtered);
+}
+
+// The light that a point of a triangle transmits in its colour: twin of `Frame::transmitted`; of what has no
+// transmission none.
+fn transmitted(
+    triangle: u32, u: f32, v: f32, counter_clockwise: bool, alpha: f32, width: f32,
+) -> Transmitted {
+    let slot = triangles[triangle].y;
+    if (slot & TINTED) == 0u || (slot & OPAQUE) != 0u {
+        return Transmitted(0.0, vec3f(1.0));
     }
-    let uvs = corner_uvs(found, used);
-    let density = texel_density(found.corners, uvs, texture_size(used.texture));
-    return bare * sample(used.texture, weigh2(weights, uvs), round_footprint(width * density)).rgb;
+    let weights = vec3f(1.0 - u - v, u, v);
+    let object = triangles[triangle].x;
+    let material = objects[object].material;
+    let found = attributes_at(object, triangle, weights, corners_in_world(triangle), vec3f(0.0));
+    // Base colour and thickness, by one lookup in a loop.
+    var filtered = materials[material].base_colour * found.tint;
+    var thickness = materials[material].thickness;
+    let has_body = thickness > 0.0 && is_front(triangle, counter_clockwise);
+    for (var index = 0u; index < select(1u, 2u, has_body); index++) {
+        let place = select(TEXTURE_BASE_COLOUR, TEXTURE_THICKNESS, index == 1u);
+        let used = materials[material].textures[place];
+        if used.texture == NONE {
+            continue;
+        }
+        let uvs = corner_uvs(found, used);
+        let density = texel_density(found.corners, uvs, texture_size(used.texture));
+        let texel = sample(used.texture, weigh2(weights, uvs), round_footprint(width * density));
+        if index == 0u {
+            filtered *= texel.rgb;
+        } else {
+            thickness *= texel.y;
+        }
+    }
+    filtered = clamp(filtered, vec3f(0.0), vec3f(1.0));
+    // A ray meets the front of a closed body once on its way through: the whole thickness counts there.
+    if has_body {
+        filtered *= exp(-materials[material].absorption * (thickness * scale_of(object)));
+    }
+    let transmission = materials[material].transmission;
+    let share = min(alpha * (transmission / (1.0 - transmission)), 1.0 - alpha);
+    return Transmitted(share, filtered);
+}
+
+// World units a unit of an object's mesh: twin of `Look::scale`.
+fn scale_of(object: u32) -> f32 {
+    if objects[object].look != LOOK_RIGID {
+        return 1.0;
+    }
+    return pow(abs(dot(axis(object, 9u), cross(axis(object, 12u), axis(object, 15u)))), 1.0 / 3.0);
 }

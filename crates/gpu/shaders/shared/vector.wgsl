@@ -30,6 +30,11 @@ fn lerp(first: vec3f, second: vec3f, weight: f32) -> vec3f {
     return first * (1.0 - weight) + second * weight;
 }
 
+// Mean of red, green and blue; of three that are the same it is that, to the bit.
+fn mean_channel(rgb: vec3f) -> f32 {
+    return rgb.x + ((rgb.y - rgb.x) + (rgb.z - rgb.x)) / 3.0;
+}
+
 fn max_element(vector: vec3f) -> f32 {
     return max(max(vector.x, vector.y), vector.z);
 }

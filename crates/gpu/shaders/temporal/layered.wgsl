@@ -2,6 +2,7 @@
 // moved to where it is now, new samples are held against it, and the picture is put together.
 #import shared/resample
 #import shared/temporal_uniform
+#import shared/vector
 #import struct/KeptLayers
 #import struct/LayersRecord
 #import struct/PixelRecord
@@ -40,14 +41,23 @@ fn mean_of(record: KeptLayers, is_front: bool) -> Mean {
     return back_of(record);
 }
 
-fn kept_of(front: Mean, back: Mean, coverage: f32, coverage_count: f32, back_depth: f32) -> KeptLayers {
+// What glass absorbs, and the coverage.
+fn hidden_of(record: KeptLayers) -> vec4f {
+    return vec4f(record.absorbed, record.front_sums.w);
+}
+
+fn hidden_by(record: LayersRecord) -> vec4f {
+    return vec4f(record.absorbed[0], record.absorbed[1], record.absorbed[2], record.coverage);
+}
+
+fn kept_of(front: Mean, back: Mean, hidden: vec4f, coverage_count: f32, back_depth: f32) -> KeptLayers {
     return KeptLayers(
         front.colour,
         back.colour,
-        vec4f(front.weight, front.count, front.variance, coverage),
+        vec4f(front.weight, front.count, front.variance, hidden.w),
         vec4f(back.weight, back.count, back.variance, coverage_count),
+        hidden.xyz,
         back_depth,
-        array<u32, 3>(),
     );
 }
 
@@ -103,7 +113,7 @@ fn texel_back(pixel: vec2u) -> vec4f {
 #expand shared/sharp TEXEL=back
 
 fn texel_coverage(pixel: vec2u) -> vec4f {
-    return vec4f(kept[index_of(pixel)].front_sums.w);
+    return hidden_of(kept[index_of(pixel)]);
 }
 #expand shared/sharp TEXEL=coverage
 
@@ -148,7 +158,7 @@ fn cs_move(@builtin(global_invocation_id) id: vec3u) {
     }
     let at = index_of(id.xy);
     if temporal.count == 0u {
-        moved[at] = kept_of(no_mean(), no_mean(), 0.0, 0.0, FAR_AWAY);
+        moved[at] = kept_of(no_mean(), no_mean(), vec4f(0.0), 0.0, FAR_AWAY);
         return;
     }
     if is_settled() {
@@ -182,13 +192,13 @@ fn cs_move(@builtin(global_invocation_id) id: vec3u) {
         place = place_of(vec2f(id.xy) + front_motion);
     }
     var front = no_mean();
-    var coverage = 0.0;
+    var hidden = vec4f(0.0);
     var coverage_count = 0.0;
     if place.is_inside {
         // Without a front all around, nothing of one is left by the clip.
         if front_coverage > 0.0 {
             front = fetched(place, true, vec2f(0.0));
-            coverage = sharp_coverage(place).x;
+            hidden = sharp_coverage(place);
         }
         for (var dy = 0; dy <= 1; dy += 1) {
             for (var dx = 0; dx <= 1; dx += 1) {
@@ -197,7 +207,7 @@ fn cs_move(@builtin(global_invocation_id) id: vec3u) {
             }
         }
     }
-    moved[at] = kept_of(front, back, coverage, coverage_count, FAR_AWAY);
+    moved[at] = kept_of(front, back, hidden, coverage_count, FAR_AWAY);
 }
 
 // Sums over the samples of a layer in a neighbourhood.
@@ -293,8 +303,8 @@ fn averaged(record: KeptLayers, own: LayersRecord, colour: vec4f) -> KeptLayers 
         back = plus(back, colour, weight_of(own, false), most);
     }
     let count = min(record.back_sums.w + 1.0, most);
-    let coverage = record.front_sums.w + (own.coverage - record.front_sums.w) / count;
-    return kept_of(front, back, coverage, count, min(own.back_depth, FAR_AWAY));
+    let hidden = hidden_of(record) + (hidden_by(own) - hidden_of(record)) / count;
+    return kept_of(front, back, hidden, count, min(own.back_depth, FAR_AWAY));
 }
 
 @compute @workgroup_size(GROUP_SIDE, GROUP_SIDE)
@@ -329,16 +339,16 @@ fn cs_update(@builtin(global_invocation_id) id: vec3u) {
             }
         }
     }
-    // Coverage is exact in each frame; the back is clipped to its samples around.
-    var sum = 0.0;
-    var squares = 0.0;
+    // What is absorbed and the coverage are exact in each frame; the back is clipped to its samples around.
+    var sum = vec4f(0.0);
+    var squares = vec4f(0.0);
     var back_samples: Samples;
     for (var dy = -1; dy <= 1; dy += 1) {
         for (var dx = -1; dx <= 1; dx += 1) {
             let index = index_of(clamped(vec2i(id.xy) + vec2i(dx, dy)));
-            let coverage = layers[index].coverage;
-            sum += coverage;
-            squares += coverage * coverage;
+            let hidden = hidden_by(layers[index]);
+            sum += hidden;
+            squares += hidden * hidden;
             if layers[index].is_front == 0u {
                 let colour = ycocga_from_rgba(pixels[index].colour);
                 back_samples.count += 1.0;
@@ -348,8 +358,8 @@ fn cs_update(@builtin(global_invocation_id) id: vec3u) {
         }
     }
     let mean = sum / 9.0;
-    let deviation = sqrt(max(squares / 9.0 - mean * mean, 0.0));
-    let clipped = clamp(history.front_sums.w, mean - deviation, mean + deviation);
+    let deviation = sqrt(max(squares / 9.0 - mean * mean, vec4f(0.0)));
+    let clipped = clamp(hidden_of(history), mean - deviation, mean + deviation);
     let count = min(history.back_sums.w + 1.0, 1.0 / P_WEIGHT);
 
     let colour = ycocga_from_rgba(pixels[at].colour);
@@ -357,8 +367,8 @@ fn cs_update(@builtin(global_invocation_id) id: vec3u) {
     let front = updated(front_of(history), front_sums, colour, is_front, weight_of(own, true), P_SIGMA);
     let back =
         updated(clip(back_of(history), back_samples), back_sums, colour, !is_front, weight_of(own, false), P_SIGMA * BACK_SIGMAS);
-    let coverage = clipped + (own.coverage - clipped) / count;
-    next_kept[at] = kept_of(front, back, coverage, count, min(own.back_depth, FAR_AWAY));
+    let hidden = clipped + (hidden_by(own) - clipped) / count;
+    next_kept[at] = kept_of(front, back, hidden, count, min(own.back_depth, FAR_AWAY));
 }
 
 // The front as it is shown: as far towards the mean of the pixels around as what differs there is noise by
@@ -412,5 +422,11 @@ fn cs_show(@builtin(global_invocation_id) id: vec3u) {
     if coverage > 0.0 {
         front = smoothed(id.xy);
     }
-    next_history[index_of(id.xy)] = rgba_from_ycocga(front * coverage + own.back_colour * (1.0 - coverage));
+    var shown = rgba_from_ycocga(front * coverage + own.back_colour * (1.0 - coverage));
+    if any(own.absorbed != vec3f(0.0)) {
+        let absorbed = vec4f(own.absorbed, mean_channel(own.absorbed));
+        // Behind a clear back, what is absorbed is covered.
+        shown += vec4f(0.0, 0.0, 0.0, absorbed.w) - rgba_from_ycocga(own.back_colour) * absorbed;
+    }
+    next_history[index_of(id.xy)] = shown;
 }

@@ -1,7 +1,7 @@
 //! The records that shaders read, made from what the scene holds.
 
 use bytemuck::Zeroable as _;
-use glam::Mat3;
+use glam::{Mat3, Vec3};
 use sheer_scene::{
     FrameLight, Look, MorphedAttributes, Object as FrameObject,
     environment::Lobe as EnvironmentLobe,
@@ -12,7 +12,7 @@ use super::atlas::{Atlas, Region};
 use crate::shader::record::scene::{
     LIGHT_DIRECTIONAL, LIGHT_POINT, LIGHT_SPOT, LOOK_DEFORMED, LOOK_QUAD, LOOK_RIGID, Light, Lobe, Material,
     MeshOffsets, NONE, Object, TEXTURE_BASE_COLOUR, TEXTURE_COUNT, TEXTURE_EMISSIVE,
-    TEXTURE_METALLIC_ROUGHNESS, TEXTURE_NORMAL, TEXTURE_OCCLUSION, Texture, TextureUse,
+    TEXTURE_METALLIC_ROUGHNESS, TEXTURE_NORMAL, TEXTURE_OCCLUSION, TEXTURE_THICKNESS, Texture, TextureUse,
 };
 
 impl MeshOffsets {
@@ -139,6 +139,7 @@ impl Material {
         textures[TEXTURE_EMISSIVE] = material.emissive_texture;
         textures[TEXTURE_OCCLUSION] = material.occlusion_texture;
         textures[TEXTURE_NORMAL] = material.normal_texture;
+        textures[TEXTURE_THICKNESS] = material.thickness_texture;
         Self {
             base_colour: material.base_colour.truncate(),
             model: material.model as u32,
@@ -148,6 +149,8 @@ impl Material {
             transmission: material.transmission,
             normal_scale: material.normal_scale,
             occlusion_strength: material.occlusion_strength,
+            absorption: material.absorption,
+            thickness: if material.absorption == Vec3::ZERO { 0.0 } else { material.thickness },
             textures: textures.map(|used| TextureUse::new(used.as_ref())),
         }
     }

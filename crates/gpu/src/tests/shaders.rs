@@ -12,7 +12,7 @@ use sheer_render::{
 use crate::{
     device::{AdapterChoice, AdapterReport, Gpu, Tracer},
     error::GpuError,
-    pipeline::base_linker,
+    pipeline::{base_linker, with_glass},
     raster::{
         Lists,
         multisample::Sampling,
@@ -167,8 +167,8 @@ fn a_slip_in_a_shader_is_found() {
 }
 
 /// All shaders of both paths that a method may take, by name.
-fn passes_of(method: &Method, tracer: Tracer, split: Option<LayerSplit>) -> Vec<(String, Linked)> {
-    let plain = base_linker(tracer).constants(Tables::new(&[], [4, 0]).constants());
+fn passes_of(method: &Method, linker: Linker, split: Option<LayerSplit>) -> Vec<(String, Linked)> {
+    let plain = linker.constants(Tables::new(&[], [4, 0]).constants());
     let linker = plain.clone().method(method);
     let Some(search) = Search::of(method).map(|search| search.with_layers(split)) else {
         let raster = raster_of(method).unwrap().unwrap();
@@ -202,9 +202,12 @@ fn every_pass_of_every_method_is_a_valid_shader() {
     for method in drawn.chain(hybrids) {
         for tracer in [Tracer::Query, Tracer::Bvh] {
             for split in [None, Some(LayerSplit { least_share: 0.25 })] {
-                for (piece, text) in passes_of(&method, tracer, split) {
-                    validate(&text)
-                        .unwrap_or_else(|error| panic!("{method}, {tracer:?}, {split:?}, {piece}: {error}"));
+                for linker in [base_linker(tracer), with_glass(base_linker(tracer))] {
+                    for (piece, text) in passes_of(&method, linker, split) {
+                        validate(&text).unwrap_or_else(|error| {
+                            panic!("{method}, {tracer:?}, {split:?}, {piece}: {error}")
+                        });
+                    }
                 }
             }
         }

@@ -2,6 +2,7 @@
 //! run beside each other.
 
 mod family;
+mod glass;
 mod robustness;
 mod shadow_maps;
 mod stochastic;

@@ -59,7 +59,8 @@ pub struct PixelSite {
 /// The part of a triangle that a pixel sees, transparent and in front of everything opaque.
 #[derive(Clone, Copy, Debug)]
 pub struct Fragment<'a> {
-    /// Opacity, [`MIN_ALPHA`] to below 1, at the covered sample nearest to the pixel centre, where it is
+    /// Opacity, of coloured glass to the channel that passes best, [`MIN_ALPHA`] to below 1, at the covered
+    /// sample nearest to the pixel centre, where it is
     /// shaded, too. Ordered gatherings end with a fragment of 1, where something opaque is.
     pub alpha: f32,
     /// Samples that it covers, one bit each; never none.

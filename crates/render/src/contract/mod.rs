@@ -8,6 +8,10 @@
 //! * [`UnorderedCompositing`]: the same in the order in which the scene is drawn, in several passes and over
 //!   several samples if the method asks for them.
 //!
+//! Coloured glass is none of a method's business: the alpha that it is told is that of the channel which
+//! passes best, and what the other channels lose on top the backend takes of the light that it hands over
+//! (docs/glass.md).
+//!
 //! [`MethodInfo`] is what lists say of a method and what a GPU needs to run it; [`Raster`] is how a GPU draws
 //! it.
 

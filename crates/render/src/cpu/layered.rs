@@ -61,7 +61,15 @@ impl Tracer<'_> {
             None => opaque,
         };
         let is_front = is_dense || choice.front.is_some();
-        let colour = self.seen(&ray, hit.as_ref(), counters);
+        // A back is kept as it is, and seen through the glass of this frame.
+        let has_back = !is_dense && !front.is_empty();
+        let colour = if is_front || !has_back {
+            self.seen(&ray, hit.as_ref(), counters)
+        } else {
+            self.unfiltered(&ray, hit.as_ref(), counters)
+        };
+        let tint = if has_back { self.tint_before(&ray, opaque.as_ref(), counters) } else { Vec3::ONE };
+        let absorbed = ((1.0 - coverage) * (Vec3::ONE - tint)).to_array();
         let mut pixel = self.pixel(colour, sample, &ray, hit.as_ref(), !front.is_empty());
         let (front_motion, front_depth) = self.front_motion(&front);
         let (back_motion, back_depth) = match opaque {
@@ -73,6 +81,7 @@ impl Tracer<'_> {
         };
         pixel.layers = PixelLayers {
             coverage,
+            absorbed,
             share: choice.share,
             is_front,
             front_motion,

@@ -3,6 +3,7 @@
 
 mod display_share;
 mod draw;
+mod glass;
 mod layer_filter;
 mod layered;
 mod object_space;

@@ -30,7 +30,7 @@ impl Tracer<'_> {
             transparent |= alpha < 1.0;
             let depths = [self.depth(&camera_ray, hit)];
             let fragment = self.fragment(hit, alpha, 1, &depths);
-            method.add(&mut pixel, &fragment, || self.shade(&camera_ray, hit, counters))
+            method.add(&mut pixel, &fragment, || self.shade_through_glass(&camera_ray, hit, counters))
         };
         let ray = self.ray(&camera_ray);
         match method.traversal() {
@@ -47,7 +47,7 @@ impl Tracer<'_> {
         let mut colour = Premul { rgb: method.resolve(&pixel), alpha: 1.0 - transmittance };
         if transmittance > MIN_VISIBILITY {
             // Everything was transparent: the background is the last fragment.
-            colour = colour.over(self.background(&camera_ray));
+            colour = colour.over(self.background_through_glass(&camera_ray, counters));
             last = None;
         }
         self.pixel(colour, sample, &camera_ray, last.as_ref(), transparent)

@@ -71,7 +71,7 @@ struct Incident {
 }
 
 impl Tracer<'_> {
-    /// Linear radiance that leaves a hit towards the camera.
+    /// Linear radiance that leaves a hit towards the camera; what shines through it is not among it.
     pub(super) fn shade(&self, ray: &CameraRay, hit: &Hit, counters: &mut Counters) -> Vec3 {
         let frame = self.stage.frame();
         // As wide as a pixel is at the depth of the hit, which is nearer than the hit itself towards corners.
@@ -117,7 +117,8 @@ impl Tracer<'_> {
                     })
             }
         };
-        radiance * scene.exposure
+        let own_share = self.glass(hit).map_or(1.0, |glass| glass.own_share);
+        radiance * scene.exposure * own_share
     }
 
     /// Sum over all lights: irradiance × `response` × transmittance; shadows are looked for wherever the

@@ -60,7 +60,7 @@ impl Tracer<'_> {
         let mut rgb = Vec3::ZERO;
         let mut visibility = 1.0;
         for layer in &self.layers {
-            rgb += visibility * layer.alpha * self.shade(camera_ray, &layer.hit, counters);
+            rgb += visibility * layer.alpha * self.shade_through_glass(camera_ray, &layer.hit, counters);
             visibility = layer.visibility;
         }
         let mut transparent = self.layers.iter().any(|layer| layer.alpha < 1.0);
@@ -68,7 +68,7 @@ impl Tracer<'_> {
         let mut last = self.layers.last().filter(|_| ended).map(|layer| layer.hit);
         let mut colour = Premul { rgb, alpha: 1.0 - visibility };
         if !ended {
-            colour = colour.over(self.background(camera_ray));
+            colour = colour.over(self.background_through_glass(camera_ray, counters));
         } else if visibility > MIN_VISIBILITY {
             counters.merged += u64::from(visibility > share);
             let rest = find(self, camera_ray, last, counters);
@@ -79,8 +79,16 @@ impl Tracer<'_> {
         self.pixel(colour, sample, camera_ray, last.as_ref(), transparent)
     }
 
-    /// A hit taken as opaque, or the background.
+    /// A hit taken as opaque, or the background, through all glass in front of it.
     pub(super) fn seen(&self, ray: &CameraRay, hit: Option<&Hit>, counters: &mut Counters) -> Premul {
+        match hit {
+            Some(hit) => Premul { rgb: self.shade_through_glass(ray, hit, counters), alpha: 1.0 },
+            None => self.background_through_glass(ray, counters),
+        }
+    }
+
+    /// A hit taken as opaque, or the background, as if no glass were in front of it.
+    pub(super) fn unfiltered(&self, ray: &CameraRay, hit: Option<&Hit>, counters: &mut Counters) -> Premul {
         hit.map_or_else(
             || self.background(ray),
             |hit| Premul { rgb: self.shade(ray, hit, counters), alpha: 1.0 },

@@ -28,6 +28,8 @@ pub(super) struct Tracer<'a> {
     pub(super) depth_range: [f32; 2],
     /// What a pixel sees of a surface.
     pub(super) beam: PixelBeam,
+    /// Whether anything in the scene tints what shines through it.
+    pub(super) has_glass: bool,
     pub(super) workspace: Workspace,
     pub(super) byproducts: Byproducts,
     pub(super) layers: Vec<Layer>,
@@ -48,6 +50,7 @@ impl<'a> Tracer<'a> {
             correction,
             depth_range: depth_range(stage.bvh().bounds(), stage.frame().camera()),
             beam: stage.frame().camera().pixel_beam(settings.run.size[1] as f32),
+            has_glass: stage.frame().tints_light(),
             workspace: Workspace::default(),
             byproducts: Byproducts::default(),
             layers: Vec::new(),
@@ -73,7 +76,7 @@ impl<'a> Tracer<'a> {
         self.stage.frame().camera().ray(sample, self.size())
     }
 
-    /// What a camera ray that meets nothing sees.
+    /// What a camera ray that meets nothing sees, glass left out.
     pub(super) fn background(&self, ray: &CameraRay) -> Premul {
         let scene = self.stage.frame().scene().parts();
         match self.settings.run.background {
@@ -153,8 +156,12 @@ impl<'a> Tracer<'a> {
         self.stage.frame().side(hit.triangle, hit.front) == FaceSide::Back
     }
 
-    /// Opacity of a hit for the camera; 0 where it is less than anyone would see.
+    /// Opacity of a hit for the camera, of coloured glass to the channel that passes best; 0 where it is less
+    /// than anyone would see.
     pub(super) fn alpha(&self, hit: &Hit) -> f32 {
+        if let Some(glass) = self.glass(hit) {
+            return glass.alpha;
+        }
         let alpha = self.stage.frame().opacity_for_camera(
             hit.triangle,
             hit.u,

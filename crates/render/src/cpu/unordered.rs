@@ -2,8 +2,9 @@
 
 use std::time::Instant;
 
+use glam::Vec3;
 use sheer_accel::Hit;
-use sheer_core::colour::Premul;
+use sheer_core::colour::{Premul, mean_channel};
 use sheer_image::Pixel;
 
 use super::{
@@ -60,7 +61,9 @@ impl Tracer<'_> {
                 let depths = &work.depths[gathered.first_depth as usize..][..ray_count];
                 let fragment = self.fragment(&gathered.hit, gathered.alpha, gathered.coverage, depths);
                 let ray = &work.rays[gathered.ray as usize];
-                method.add(&mut pixel, pass, &fragment, || self.shade(ray, &gathered.hit, counters))
+                method.add(&mut pixel, pass, &fragment, || {
+                    self.shade_through_glass(ray, &gathered.hit, counters)
+                })
             });
             self.byproducts.nanoseconds.passes[pass] += since(start);
         }
@@ -153,20 +156,26 @@ impl Tracer<'_> {
             if work.opaque[..index].iter().any(shares_triangle) {
                 continue;
             }
-            // Samples of one ray have their background in common, samples of one surface its shading.
-            let samples = (0..sample_count).filter(|sample| {
-                let ray = (*sample).min(work.rays.len() - 1);
-                shares_triangle(&work.opaque[ray])
-            });
-            let transmittance =
-                share * samples.map(|sample| method.transmittance(pixel, sample)).sum::<f32>();
+            // Samples of one ray have their background in common, samples of one surface its shading. What
+            // glass leaves of it differs from ray to ray.
+            let is_one_ray = work.rays.len() == 1;
+            let mut transmittance = Vec3::ZERO;
+            for (at, (other, ray)) in work.opaque.iter().zip(&work.rays).enumerate() {
+                if !shares_triangle(other) {
+                    continue;
+                }
+                let samples = if is_one_ray { 0..sample_count } else { at..at + 1 };
+                let grey = samples.map(|sample| method.transmittance(pixel, sample)).sum::<f32>();
+                transmittance += grey * self.tint_before(ray, other.as_ref(), counters);
+            }
+            transmittance *= share;
             let mut background = Premul::CLEAR;
-            if transmittance > MIN_VISIBILITY * share {
+            if transmittance.max_element() > MIN_VISIBILITY * share {
                 shows_background = true;
-                background = self.seen(ray, hit.as_ref(), counters);
+                background = self.unfiltered(ray, hit.as_ref(), counters);
             }
             colour.rgb += transmittance * background.rgb;
-            colour.alpha -= transmittance * (1.0 - background.alpha);
+            colour.alpha -= mean_channel(transmittance) * (1.0 - background.alpha);
         }
         (colour, shows_background)
     }

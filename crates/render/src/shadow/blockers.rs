@@ -49,7 +49,7 @@ impl Blockers {
             if alpha >= 1.0 {
                 self.opaque_depth = self.opaque_depth.min(hit.t);
             } else if alpha >= MIN_ALPHA {
-                let through = frame.light_through(hit.triangle, hit.u, hit.v, alpha, width);
+                let through = frame.light_through(hit.triangle, hit.u, hit.v, hit.front, alpha, width);
                 self.transparent.push(Blocker { depth: hit.t, triangle: hit.triangle, through });
             }
             self.opaque_depth

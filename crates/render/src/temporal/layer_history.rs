@@ -1,6 +1,6 @@
 //! What is kept of the layers of each pixel from frame to frame.
 
-use glam::Vec4;
+use glam::{Vec3, Vec4};
 use sheer_image::Image;
 
 /// Depth in place of infinity, which cannot be scaled.
@@ -24,8 +24,9 @@ pub(super) struct Mean {
 pub(super) struct Kept {
     pub(super) front: Mean,
     pub(super) back: Mean,
-    /// Mean coverage, and of how many frames.
+    /// Mean coverage, what glass absorbs beyond it, and of how many frames.
     pub(super) coverage: f32,
+    pub(super) absorbed: Vec3,
     pub(super) coverage_count: f32,
     pub(super) back_depth: f32,
 }
@@ -63,9 +64,15 @@ impl Kept {
         front: Mean::NONE,
         back: Mean::NONE,
         coverage: 0.0,
+        absorbed: Vec3::ZERO,
         coverage_count: 0.0,
         back_depth: FARTHEST,
     };
+
+    /// What glass absorbs, and the coverage.
+    pub(super) fn hidden(&self) -> Vec4 {
+        self.absorbed.extend(self.coverage)
+    }
 
     pub(super) fn mean(&self, side: Side) -> &Mean {
         match side {

@@ -6,7 +6,8 @@
 //! does, which cannot tell noise from detail: the new samples are held against the history pixel by pixel,
 //! and only the mean of these residuals, as far as it is more than chance, moves the history.
 
-use glam::{Vec2, Vec4};
+use glam::{Vec2, Vec3, Vec4};
+use sheer_core::colour::mean_channel;
 use sheer_core::{
     bibliography,
     parameter::{ParameterInfo, ParameterRange, Values},
@@ -306,12 +307,13 @@ impl Layered {
         Image::par_from_fn(width, height, |x, y| {
             let (own, sample, moved) = (&layers[(x, y)], &samples[(x, y)], &moved[(x, y)]);
             let [front, back] = Sums::around(&samples, [x, y], self.radius);
-            let (coverage, coverage_count) = self.coverage(layers, moved, [x, y]);
+            let (hidden, coverage_count) = self.coverage(layers, moved, [x, y]);
             let moved = &Kept { back: clipped(moved.back, &samples, [x, y]), ..*moved };
             Kept {
                 front: self.updated(Side::Front, moved, &front, sample, own),
                 back: self.updated(Side::Back, moved, &back, sample, own),
-                coverage,
+                coverage: hidden.w,
+                absorbed: hidden.truncate(),
                 coverage_count,
                 back_depth: own.back_depth.min(FARTHEST),
             }
@@ -343,22 +345,23 @@ impl Layered {
         if is_sampled { mean.plus(sample.colour, sample.weight, 1.0 / self.weight) } else { mean }
     }
 
-    /// The mean coverage after the frame, and of how many frames. It is exact in each of them, so that what
-    /// it varies by is the scene and the jitter, and a clip to the 3×3 pixels around does no harm.
-    fn coverage(self, layers: &Image<PixelLayers>, moved: &Kept, [x, y]: [u32; 2]) -> (f32, f32) {
-        let (mut sum, mut squares) = (0.0, 0.0);
+    /// What is absorbed, and the coverage: their means after the frame, and of how many frames. They are
+    /// exact in each of them, so that what they vary by is the scene and the jitter, and a clip to the 3×3
+    /// pixels around does no harm.
+    fn coverage(self, layers: &Image<PixelLayers>, moved: &Kept, [x, y]: [u32; 2]) -> (Vec4, f32) {
+        let (mut sum, mut squares) = (Vec4::ZERO, Vec4::ZERO);
         for dy in -1..=1 {
             for dx in -1..=1 {
-                let coverage = layers.get_clamped(i64::from(x) + dx, i64::from(y) + dy).coverage;
-                sum += coverage;
-                squares += coverage * coverage;
+                let hidden = hidden_by(layers.get_clamped(i64::from(x) + dx, i64::from(y) + dy));
+                sum += hidden;
+                squares += hidden * hidden;
             }
         }
         let mean = sum / 9.0;
-        let deviation = (squares / 9.0 - mean * mean).max(0.0).sqrt();
-        let clipped = moved.coverage.clamp(mean - deviation, mean + deviation);
+        let deviation = (squares / 9.0 - mean * mean).max(Vec4::ZERO).map(f32::sqrt);
+        let clipped = moved.hidden().clamp(mean - deviation, mean + deviation);
         let count = (moved.coverage_count + 1.0).min(1.0 / self.weight);
-        (clipped + (layers[(x, y)].coverage - clipped) / count, count)
+        (clipped + (hidden_by(&layers[(x, y)]) - clipped) / count, count)
     }
 
     /// The front over the back.
@@ -371,7 +374,15 @@ impl Layered {
         };
         let front = if coverage > 0.0 { self.smoothed(kept, [x, y]) } else { Vec4::ZERO };
         // Noise may take a dark pixel below black; cut off there, its mean would be too bright.
-        rgba_from_ycocga(front * coverage + own.back.colour * (1.0 - coverage))
+        let shown = rgba_from_ycocga(front * coverage + own.back.colour * (1.0 - coverage));
+        if own.absorbed == Vec3::ZERO {
+            return shown;
+        }
+        let absorbed = own.absorbed.extend(mean_channel(own.absorbed));
+        let [red, green, blue, alpha] = rgba_from_ycocga(own.back.colour);
+        // Behind a clear back, what is absorbed is covered.
+        let covered = Vec4::W * absorbed.w;
+        (Vec4::from(shown) - Vec4::new(red, green, blue, alpha) * absorbed + covered).to_array()
     }
 
     /// The front as it is shown: as far towards the mean of the 5×5 pixels around as what differs there is
@@ -404,17 +415,29 @@ impl Layered {
     }
 }
 
+/// What coloured glass absorbs, and the coverage.
+fn hidden_by(layers: &PixelLayers) -> Vec4 {
+    Vec3::from(layers.absorbed).extend(layers.coverage)
+}
+
 /// With another sample of what stands still: means of at most so many samples.
 fn averaged(kept: &Kept, colour: [f32; 4], layers: &PixelLayers, most: f32) -> Kept {
     let side = if layers.is_front { Side::Front } else { Side::Back };
     let mean = kept.mean(side).plus(ycocga_from_rgba(colour), weight(layers, side), most);
     let coverage_count = (kept.coverage_count + 1.0).min(most);
-    let coverage = kept.coverage + (layers.coverage - kept.coverage) / coverage_count;
+    let hidden = kept.hidden() + (hidden_by(layers) - kept.hidden()) / coverage_count;
     let [front, back] = match side {
         Side::Front => [mean, kept.back],
         Side::Back => [kept.front, mean],
     };
-    Kept { front, back, coverage, coverage_count, back_depth: layers.back_depth.min(FARTHEST) }
+    Kept {
+        front,
+        back,
+        coverage: hidden.w,
+        absorbed: hidden.truncate(),
+        coverage_count,
+        back_depth: layers.back_depth.min(FARTHEST),
+    }
 }
 
 /// Pulls the history of the back into the ellipsoid of its samples in the 3×3 pixels around, as plain
@@ -501,7 +524,8 @@ fn reprojected(history: &Image<Kept>, layers: &Image<PixelLayers>, [x, y]: [u32;
         // Without a front all around, nothing of one is left by the clip.
         if front.coverage > 0.0 {
             moved.front = fetched(around, Side::Front, |kept| kept.front.count > 0.0);
-            moved.coverage = around.sharp(|kept| Vec4::splat(kept.coverage)).x;
+            let hidden = around.sharp(Kept::hidden);
+            (moved.coverage, moved.absorbed) = (hidden.w, hidden.truncate());
         }
         moved.coverage_count =
             around.bilinear().map(|(kept, weight)| weight * kept.coverage_count).iter().sum();
@@ -683,6 +707,7 @@ mod tests {
                     let value = if is_front { stripe(x + 1000 - 2 * index) } else { stripe(y) };
                     planes.colour[(x, y)] = [value, value, value, 1.0];
                     planes.layers.as_mut().unwrap()[(x, y)] = PixelLayers {
+                        absorbed: [0.0; 3],
                         coverage: 0.5,
                         share: 0.5,
                         is_front,

@@ -4,6 +4,7 @@
 mod clip_planes;
 mod display;
 mod family;
+mod glass;
 mod instances;
 mod methods;
 mod shadows;

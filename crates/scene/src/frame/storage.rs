@@ -65,6 +65,16 @@ pub struct MorphedAttributes {
     pub uv_sets: Vec<Vec<Vec2>>,
 }
 
+impl Look {
+    /// World units a unit of the mesh, the mean of all directions; 1 where it is bent.
+    pub(super) fn scale(&self) -> f32 {
+        match self {
+            Self::Rigid { vector_from_object, .. } => vector_from_object.determinant().abs().cbrt(),
+            Self::Deformed { .. } | Self::Quad { .. } => 1.0,
+        }
+    }
+}
+
 /// What the any-hit test reads, gathered a triangle: 56 bytes instead of a walk through object, mesh and
 /// material.
 #[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]

@@ -7,7 +7,7 @@ use super::{
     FaceSide, Frame, Object,
     attribute::{QUAD_UVS, VertexLists, gather, mix},
     footprint::{Ellipse, evening_power, texel_density},
-    storage::{Look, TINTED},
+    storage::{Look, OPAQUE, TINTED},
 };
 use crate::{
     model::{Material, Mesh, ShadingModel, TextureRef},
@@ -21,6 +21,16 @@ pub struct Beam {
     pub direction: Vec3,
     /// Across it, world units; 0 looks at the textures' texels themselves.
     pub width: f32,
+}
+
+/// Light that a surface lets through in its colour.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Transmitted {
+    /// Share of the light that meets the surface, before it is filtered: 0 to 1.
+    pub share: f32,
+    /// What is left of that in red, green and blue, linear: the base colour, and what the body behind the
+    /// surface absorbs. 0 to 1.
+    pub filter: Vec3,
 }
 
 /// Everything shading needs to know of a point on a surface. Colours are linear.
@@ -90,40 +100,73 @@ impl Frame {
     }
 
     /// Share of the light, red, green and blue, that passes a point of a triangle whose opacity there is
-    /// `alpha`, in a beam of a width, world units.
+    /// `alpha`, in a beam of a width, world units, that finds its vertices counter-clockwise (or not).
     ///
-    /// `1 - coverage · (1 - tint)` (McGuire and Enderton 2011, section 2), where the tint is the material's
-    /// transmission times its base colour, and the coverage is the opacity before the transmission was taken
-    /// out of it. Where that would be more than the whole, the transmission is less than the material's (a
-    /// texture lowers it): all light that passes has the base colour.
+    /// `1 - coverage · (1 - tint)` (McGuire and Enderton 2011, section 2): see [`Self::transmitted`].
     #[must_use]
-    pub fn light_through(&self, triangle: u32, u: f32, v: f32, alpha: f32, width: f32) -> Vec3 {
-        if self.flags(triangle) & TINTED == 0 {
-            return Vec3::splat(1.0 - alpha);
-        }
-        let transmission = self.materials()[self.object(triangle).material as usize].transmission;
-        let base_colour = self.base_colour(triangle, u, v, width).clamp(Vec3::ZERO, Vec3::ONE);
-        let coverage = alpha / (1.0 - transmission);
-        if coverage <= 1.0 {
-            1.0 - coverage * (1.0 - transmission * base_colour)
-        } else {
-            (1.0 - alpha) * base_colour
-        }
+    pub fn light_through(
+        &self,
+        triangle: u32,
+        u: f32,
+        v: f32,
+        counter_clockwise: bool,
+        alpha: f32,
+        width: f32,
+    ) -> Vec3 {
+        let unfiltered = Vec3::splat(1.0 - alpha);
+        self.transmitted(triangle, u, v, counter_clockwise, alpha, width)
+            .map_or(unfiltered, |Transmitted { share, filter }| unfiltered - share * (Vec3::ONE - filter))
     }
 
-    /// The base colour of a surface alone, in a beam that meets it head on.
-    fn base_colour(&self, triangle: u32, u: f32, v: f32, width: f32) -> Vec3 {
+    /// The light that a point of a triangle transmits in its colour; none if it has no transmission. The
+    /// rest of what passes its opacity `alpha` keeps its own.
+    ///
+    /// The coverage of the surface is its opacity before the transmission was taken out of it. Where that
+    /// would be more than the whole, the transmission is less than the material's (a texture lowers it): all
+    /// light that passes is transmitted.
+    #[must_use]
+    pub fn transmitted(
+        &self,
+        triangle: u32,
+        u: f32,
+        v: f32,
+        counter_clockwise: bool,
+        alpha: f32,
+        width: f32,
+    ) -> Option<Transmitted> {
+        let flags = self.flags(triangle);
+        if flags & TINTED == 0 || flags & OPAQUE != 0 {
+            return None;
+        }
         let weights = [1.0 - u - v, u, v];
         let corners = self.corners(triangle);
         let object = self.object(triangle);
         let material = &self.materials()[object.material as usize];
         let attributes = self.attributes(object, triangle, weights, corners, Vec3::Y);
-        let bare = material.base_colour.truncate() * attributes.tint;
-        let Some(used) = &material.base_colour_texture else { return bare };
-        let uvs = attributes.uvs.of(used);
-        let sampler = &self.scene.samplers()[used.texture as usize];
-        let footprint = Footprint::round(width * texel_density(&corners, &uvs, sampler.size()));
-        bare * sampler.sample(mix(weights, uvs), &footprint).truncate()
+        // In a beam that meets the surface head on.
+        let sample = |used: &TextureRef| {
+            let uvs = attributes.uvs.of(used);
+            let sampler = &self.scene.samplers()[used.texture as usize];
+            let footprint = Footprint::round(width * texel_density(&corners, &uvs, sampler.size()));
+            sampler.sample(mix(weights, uvs), &footprint)
+        };
+
+        let mut filter = material.base_colour.truncate() * attributes.tint;
+        if let Some(used) = &material.base_colour_texture {
+            filter *= sample(used).truncate();
+        }
+        filter = filter.clamp(Vec3::ZERO, Vec3::ONE);
+        // A ray meets the front of a closed body once on its way through, whatever its direction: so the
+        // whole thickness counts there, and nothing is counted twice.
+        let has_body = material.thickness > 0.0 && material.absorption != Vec3::ZERO;
+        if has_body && self.side(triangle, counter_clockwise) == FaceSide::Front {
+            let factor = material.thickness_texture.as_ref().map_or(1.0, |used| sample(used).y);
+            let thickness = material.thickness * object.look.scale() * factor;
+            filter *= (-material.absorption * thickness).exp();
+        }
+        let transmission = material.transmission;
+        let share = (alpha * (transmission / (1.0 - transmission))).min(1.0 - alpha);
+        Some(Transmitted { share, filter })
     }
 
     /// The vertex attributes of a mesh or of a quad, interpolated.

@@ -25,8 +25,8 @@ pub enum LoadWarning {
         /// Name of the extension, as the file spells it.
         extension: String,
     },
-    /// `KHR_materials_transmission` is drawn as coverage: nothing refracts.
-    TransmissionAsCoverage {
+    /// `KHR_materials_transmission` filters what lies behind by its colour, and nothing refracts.
+    UnrefractedTransmission {
         /// Material index and name.
         material: String,
     },
@@ -76,8 +76,8 @@ impl fmt::Display for LoadWarning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::ExtensionIgnored { extension } => write!(f, "extension {extension} has no effect here"),
-            Self::TransmissionAsCoverage { material } => {
-                write!(f, "{material}: transmission is drawn as alpha coverage, without refraction")
+            Self::UnrefractedTransmission { material } => {
+                write!(f, "{material}: transmission is drawn without refraction")
             }
             Self::AnimationSkipped { place } => {
                 write!(f, "{place} is not played: it moves what an earlier animation moves")

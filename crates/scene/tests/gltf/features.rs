@@ -555,7 +555,7 @@ fn transmission_lowers_alpha() {
         let loaded = builder.load().unwrap();
         assert_eq!(
             loaded.warnings,
-            [LoadWarning::TransmissionAsCoverage { material: "materials[0] ('glass')".to_owned() }]
+            [LoadWarning::UnrefractedTransmission { material: "materials[0] ('glass')".to_owned() }]
         );
         loaded.scene.parts().materials[0].clone()
     };
@@ -569,6 +569,58 @@ fn transmission_lowers_alpha() {
     // A metal transmits nothing.
     let metal = glass(json!({"metallicFactor": 1}), "OPAQUE");
     assert_eq!((metal.base_colour.w, metal.transmission), (1.0, 0.0));
+}
+
+#[test]
+fn a_volume_absorbs_by_its_colour_and_distance() {
+    let glass = |transmission: f32, volume: serde_json::Value| {
+        let mut builder = Builder::triangle();
+        builder.material(json!({"name": "glass", "pbrMetallicRoughness": {"metallicFactor": 0}, "extensions": {
+            "KHR_materials_transmission": {"transmissionFactor": transmission}, "KHR_materials_volume": volume,
+        }}));
+        builder.json["extensionsUsed"] = json!(["KHR_materials_transmission", "KHR_materials_volume"]);
+        let loaded = builder.load().unwrap();
+        (loaded.scene.parts().materials[0].clone(), loaded.warnings)
+    };
+    let amber = json!({"thicknessFactor": 0.5, "attenuationDistance": 2, "attenuationColor": [1, 0.5, 0]});
+    let (material, warnings) = glass(1.0, amber.clone());
+    assert_eq!(
+        warnings,
+        [LoadWarning::UnrefractedTransmission { material: "materials[0] ('glass')".to_owned() }]
+    );
+    assert_eq!((material.thickness, material.absorption.x), (0.5, 0.0));
+    // Half is left after two units; of black nothing.
+    assert!((material.absorption.y - 2.0_f32.ln() / 2.0).abs() < 1e-6, "{}", material.absorption);
+    assert!((-material.absorption.z * 0.5).exp() < 1e-6, "{}", material.absorption);
+    // Without transmission, thickness or distance there is nothing to absorb.
+    assert_eq!(glass(0.0, amber).0.absorption, Vec3::ZERO);
+    for nothing in [json!({}), json!({"attenuationColor": [1, 0.5, 0], "thicknessFactor": 1})] {
+        let (material, warnings) = glass(1.0, nothing);
+        assert_eq!((material.absorption, warnings.len()), (Vec3::ZERO, 1));
+    }
+    // What is out of range is left out, and said.
+    for odd in [json!({"thicknessFactor": -1}), json!({"thicknessFactor": 1, "attenuationDistance": 0})] {
+        let (material, warnings) = glass(1.0, odd);
+        assert_eq!(material.thickness, 0.0);
+        assert!(
+            warnings.iter().any(|warning| warning.to_string().contains("KHR_materials_volume")),
+            "{warnings:?}"
+        );
+    }
+}
+
+#[test]
+fn a_thickness_texture_is_kept_as_data() {
+    let mut builder = Builder::triangle();
+    let thickness = builder.texture([0, 128, 0, 255]);
+    builder.material(json!({"pbrMetallicRoughness": {"metallicFactor": 0}, "extensions": {
+        "KHR_materials_transmission": {"transmissionFactor": 1},
+        "KHR_materials_volume": {"thicknessFactor": 1, "thicknessTexture": {"index": thickness}, "attenuationDistance": 1, "attenuationColor": [1, 0.5, 0.25]},
+    }}));
+    let parts = parts(&builder);
+    let used = parts.materials[0].thickness_texture.unwrap();
+    let texture = &parts.textures[used.texture as usize];
+    assert!(!texture.srgb && texture.image.as_slice() == [[0, 128, 0, 255]]);
 }
 
 #[test]

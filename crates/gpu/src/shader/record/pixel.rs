@@ -42,8 +42,8 @@ shader_struct! {
         back_depth: f32,
         /// 1 where the shaded fragment is one of the front.
         is_front: u32,
-        /// Fills the last row.
-        padding: u32,
+        /// Shares of the back's red, green and blue that coloured glass in the front absorbs.
+        absorbed: [f32; 3],
     }
 }
 

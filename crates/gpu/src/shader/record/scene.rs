@@ -20,13 +20,17 @@ pub(crate) const LIGHT_DIRECTIONAL: u32 = 0;
 pub(crate) const LIGHT_POINT: u32 = 1;
 pub(crate) const LIGHT_SPOT: u32 = 2;
 
-/// Indices into [`Material::textures`]. The normal comes last: it replaces what the others multiply.
+/// Indices into [`Material::textures`]. The normal comes last of those that are shaded by: it replaces what
+/// the others multiply.
 pub(crate) const TEXTURE_BASE_COLOUR: usize = 0;
 pub(crate) const TEXTURE_METALLIC_ROUGHNESS: usize = 1;
 pub(crate) const TEXTURE_EMISSIVE: usize = 2;
 pub(crate) const TEXTURE_OCCLUSION: usize = 3;
 pub(crate) const TEXTURE_NORMAL: usize = 4;
-pub(crate) const TEXTURE_COUNT: usize = 5;
+/// These are looked up wherever a surface is shaded.
+pub(crate) const SHADED_TEXTURE_COUNT: usize = 5;
+pub(crate) const TEXTURE_THICKNESS: usize = 5;
+pub(crate) const TEXTURE_COUNT: usize = 6;
 
 /// The numbers that shaders know the records' choices by, to be emitted as WGSL constants.
 pub(crate) const CONSTANTS: &[(&str, u32)] = &[
@@ -42,6 +46,8 @@ pub(crate) const CONSTANTS: &[(&str, u32)] = &[
     ("TEXTURE_EMISSIVE", TEXTURE_EMISSIVE as u32),
     ("TEXTURE_OCCLUSION", TEXTURE_OCCLUSION as u32),
     ("TEXTURE_NORMAL", TEXTURE_NORMAL as u32),
+    ("SHADED_TEXTURE_COUNT", SHADED_TEXTURE_COUNT as u32),
+    ("TEXTURE_THICKNESS", TEXTURE_THICKNESS as u32),
     ("TEXTURE_COUNT", TEXTURE_COUNT as u32),
     ("MODEL_METALLIC_ROUGHNESS", ShadingModel::MetallicRoughness as u32),
     ("MODEL_UNLIT", ShadingModel::Unlit as u32),
@@ -162,6 +168,10 @@ shader_struct! {
         normal_scale: f32,
         /// Share of the occlusion map, 0 to 1.
         occlusion_strength: f32,
+        /// What the body under the surface absorbs of red, green and blue a world unit.
+        absorption: Vec3,
+        /// Of that body, in units of the mesh; 0 without one, or where it absorbs nothing.
+        thickness: f32,
         /// By `TEXTURE_BASE_COLOUR`, …: a list, so that a shader samples in one place; drivers that inline
         /// everything take half a minute to compile five copies.
         textures: [TextureUse; TEXTURE_COUNT],

@@ -1,6 +1,6 @@
 //! What passes read that add frames up over time.
 
-use glam::UVec2;
+use glam::{UVec2, Vec3};
 
 use crate::shader::declaration::shader_struct;
 
@@ -36,9 +36,9 @@ shader_struct! {
         /// Mean weight of the back's samples, their number, the variance of their luma, and the number of
         /// coverages.
         back_sums: [f32; 4] => "vec4f",
+        /// What glass in the front absorbs of the back's red, green and blue, beyond the coverage.
+        absorbed: Vec3,
         /// Depth of the back; NO_DEPTH where nothing is.
         back_depth: f32,
-        /// Fills the last row.
-        padding: [u32; 3],
     }
 }

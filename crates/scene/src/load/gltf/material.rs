@@ -179,14 +179,17 @@ impl Materials<'_, '_> {
                 )?;
             }
         }
-        // Transmission is drawn as coverage, which is worked out when the images are there.
+        // Transmission lowers the opacity, which is worked out when the images are there.
         if let Some(transmission) = &extensions.transmission {
             let texture =
                 self.texture(&transmission.transmission_texture, false, &place, "transmissionTexture")?;
             let factor = unit(transmission.transmission_factor);
             if factor > 0.0 {
-                let material = self.document.titled(&place);
-                self.document.warn(LoadWarning::TransmissionAsCoverage { material });
+                let titled = self.document.titled(&place);
+                self.document.warn(LoadWarning::UnrefractedTransmission { material: titled });
+                if let Some(volume) = &extensions.volume {
+                    self.read_volume(&mut material, volume, &place)?;
+                }
                 self.bakes.push(Bake {
                     material: self.materials.len(),
                     place,
@@ -195,6 +198,36 @@ impl Materials<'_, '_> {
             }
         }
         Ok(material)
+    }
+
+    /// `KHR_materials_volume`: Beer and Lambert's law, by the colour that is left after a distance.
+    fn read_volume(
+        &mut self,
+        material: &mut Material,
+        volume: &schema::Volume,
+        place: &str,
+    ) -> Result<(), SceneError> {
+        let &schema::Volume { thickness_factor, attenuation_distance, .. } = volume;
+        let colour = Vec3::from(volume.attenuation_color);
+        let is_sound = thickness_factor >= 0.0
+            && thickness_factor.is_finite()
+            && attenuation_distance > 0.0
+            && colour.is_finite();
+        if !is_sound {
+            let what = "its KHR_materials_volume has a thickness below 0, a distance that is not above 0, or a \
+                        number that is not finite; what it absorbs was left out";
+            self.document.repaired(place, what);
+            return Ok(());
+        }
+        // Without a thickness the surface has no body; what is black is so from the least thickness on.
+        if thickness_factor > 0.0 {
+            let left = colour.clamp(Vec3::splat(f32::MIN_POSITIVE), Vec3::ONE);
+            material.absorption = (-left.map(f32::ln) / attenuation_distance).min(Vec3::MAX);
+            material.thickness = thickness_factor;
+            material.thickness_texture =
+                self.texture(&volume.thickness_texture, false, place, "thicknessTexture")?;
+        }
+        Ok(())
     }
 
     /// `KHR_materials_pbrSpecularGlossiness`: without textures converted here, else texel by texel when they
@@ -368,13 +401,14 @@ impl Materials<'_, '_> {
 }
 
 /// All places of a material for a texture.
-fn slots(material: &mut Material) -> [&mut Option<TextureRef>; 5] {
+fn slots(material: &mut Material) -> [&mut Option<TextureRef>; 6] {
     [
         &mut material.base_colour_texture,
         &mut material.metallic_roughness_texture,
         &mut material.normal_texture,
         &mut material.occlusion_texture,
         &mut material.emissive_texture,
+        &mut material.thickness_texture,
     ]
 }
 

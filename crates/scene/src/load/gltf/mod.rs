@@ -64,10 +64,12 @@ const DRAWN: &[&str] = &[
     "KHR_lights_punctual",
     "KHR_materials_emissive_strength",
     "KHR_materials_pbrSpecularGlossiness",
-    // Warned about where it is used.
+    // Warned about where it is used: nothing refracts.
     "KHR_materials_transmission",
     "KHR_materials_unlit",
     "KHR_materials_variants",
+    // What it absorbs, where there is transmission.
+    "KHR_materials_volume",
     "KHR_mesh_quantization",
     "KHR_meshopt_compression",
     "KHR_node_visibility",
@@ -90,7 +92,6 @@ const IGNORED: &[&str] = &[
     "KHR_materials_iridescence",
     "KHR_materials_sheen",
     "KHR_materials_specular",
-    "KHR_materials_volume",
 ];
 
 /// Whether a file that begins with these bytes can be glTF: a container, or an object of JSON.

@@ -332,6 +332,8 @@ pub(super) struct MaterialExtensions {
     pub emissive_strength: Option<EmissiveStrength>,
     #[serde(rename = "KHR_materials_transmission")]
     pub transmission: Option<Transmission>,
+    #[serde(rename = "KHR_materials_volume")]
+    pub volume: Option<Volume>,
     #[serde(rename = "KHR_materials_pbrSpecularGlossiness")]
     pub specular_glossiness: Option<Box<SpecularGlossiness>>,
 }
@@ -351,6 +353,26 @@ pub(super) struct EmissiveStrength {
 pub(super) struct Transmission {
     pub transmission_factor: f32,
     pub transmission_texture: Option<TextureInfo>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+pub(super) struct Volume {
+    pub thickness_factor: f32,
+    pub thickness_texture: Option<TextureInfo>,
+    pub attenuation_distance: f32,
+    pub attenuation_color: [f32; 3],
+}
+
+impl Default for Volume {
+    fn default() -> Self {
+        Self {
+            thickness_factor: 0.0,
+            thickness_texture: None,
+            attenuation_distance: f32::INFINITY,
+            attenuation_color: [1.0; 3],
+        }
+    }
 }
 
 #[derive(Debug, Deserialize)]
