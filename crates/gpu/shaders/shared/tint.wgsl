@@ -1,6 +1,6 @@
 // What coloured glass leaves of the light on its way to the eye: twins of `Tracer::tint_before` and of what
-// `Tracer::shade` takes of a fragment's own light. By a ray on every path: methods of a rasteriser do not meet
-// fragments in their order.
+// `Tracer::shade` takes of a fragment's own light. By a ray on every path: methods of a rasteriser do not
+// meet fragments in their order.
 #import shared/alpha
 #import shared/counters
 #import shared/glass

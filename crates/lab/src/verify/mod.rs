@@ -7,6 +7,7 @@ mod check;
 mod correction;
 mod ends;
 mod estimate;
+mod glass;
 mod layers;
 mod maps;
 mod model;
@@ -32,9 +33,10 @@ pub use self::{
 /// A check could not be made.
 pub fn promises(threads: Option<usize>, progress: &dyn Progress) -> Result<Vec<Check>> {
     type Group = fn(Option<usize>) -> Result<Vec<Check>>;
-    let groups: [(&str, Group); 12] = [
+    let groups: [(&str, Group); 13] = [
         ("threshold maps", |_| Ok(maps::checks())),
         ("layers", layers::checks),
+        ("coloured glass", glass::checks),
         ("alpha 0 and 1", ends::checks),
         ("threads", |_| threads::checks()),
         ("unbiased methods", unbiased::checks),
