@@ -438,6 +438,7 @@ fn materials(scene: &Scene) -> Vec<Transparency> {
                 ShadingModel::Unlit => "unlit",
                 ShadingModel::Smoke => "smoke",
                 ShadingModel::Fibre => "fibre",
+                ShadingModel::Luminous => "luminous",
             },
             triangles: drawn.map(|mesh| mesh.indices.len()).sum(),
         }

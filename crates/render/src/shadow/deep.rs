@@ -60,7 +60,15 @@ impl Map for Rays {
         counters.shadow_rays += 1;
         if self.tinted {
             let through = |light: Vec3, hit: &Hit, alpha| {
-                light * stage.frame().light_through(hit.triangle, hit.u, hit.v, hit.front, alpha, receiver.width)
+                light
+                    * stage.frame().light_through(
+                        hit.triangle,
+                        hit.u,
+                        hit.v,
+                        hit.front,
+                        alpha,
+                        receiver.width,
+                    )
             };
             product(stage, receiver, Vec3::ONE, Vec3::ZERO, through, Vec3::max_element)
         } else {

@@ -443,9 +443,10 @@ impl Model {
 fn read_faces(element: &Element, body: &mut Body<'_>, model: &mut Model) -> Result<(), String> {
     for_each_list(element, body, |corners| {
         // A polygon is a fan around its first vertex.
-        let whole = corners.len() >= 3
-            && (2..corners.len())
-                .fold(true, |sound, at| model.add([corners[0], corners[at - 1], corners[at]]) && sound);
+        let mut whole = corners.len() >= 3;
+        for at in 2..corners.len() {
+            whole &= model.add([corners[0], corners[at - 1], corners[at]]);
+        }
         model.dropped_count += usize::from(!whole);
     })
 }
