@@ -40,7 +40,7 @@ pub use footprint::{HEAD_ON, LEAST_GRAZING};
 pub use instances::{MeshInstance, Sharing};
 pub(crate) use pose::camera_pose;
 pub use storage::{
-    Look, MIRRORED, MorphedAttributes, NO_TEXTURE, OPAQUE, SINGLE_SIDED, SLOT, StaticCounts, TINTED,
+    Look, MIRRORED, MorphedAttributes, NO_TEXTURE, OPAQUE, Object, SINGLE_SIDED, SLOT, StaticCounts, TINTED,
     TriangleOpacity,
 };
 pub use surface::{Beam, Surface, Transmitted};
@@ -52,20 +52,6 @@ pub enum FaceSide {
     Front,
     /// The side from which the vertices run clockwise.
     Back,
-}
-
-/// A thing with an identity: one primitive of one instance, or one particle quad.
-#[derive(Clone, Debug)]
-pub struct Object {
-    /// Identity of the instance or particle, stable over time: `InstanceID()` of STD Listing 4.
-    pub id: u32,
-    /// Which primitive of the instance it is: `GeometryIndex()` of STD Listing 4.
-    pub geometry: u32,
-    /// Index into the scene's materials.
-    pub material: u32,
-    /// Number of its first triangle; the others follow.
-    pub first_triangle: u32,
-    look: Look,
 }
 
 /// A light at the time of the frame.

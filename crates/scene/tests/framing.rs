@@ -144,8 +144,8 @@ fn the_whole_clip_is_framed() {
         interpolation: Interpolation::Linear,
     };
     let animation = Animation {
-        name: String::new(),
         channels: vec![Channel { node: 0, track: Track::Translation(keys) }],
+        ..Animation::default()
     };
     let moving = scene_of(box_of(Vec3::ZERO, Vec3::ONE), Transform::IDENTITY, vec![animation]);
     let times_secs: Vec<f32> = (0..200).map(|step| step as f32 * 0.01).collect();

@@ -161,7 +161,8 @@ fn described(frame: &Frame, triangle: u32, [u, v]: [f32; 2]) -> String {
         let surfaces = beams.map(|beam| frame.surface(triangle, u, v, ccw, beam));
         (seen, frame.side(triangle, ccw), surfaces)
     });
-    let light = beams.map(|beam| frame.light_through(triangle, u, v, alpha[1], beam.width));
+    let light = [true, false]
+        .map(|ccw| beams.map(|beam| frame.light_through(triangle, u, v, ccw, alpha[1], beam.width)));
     format!(
         "{:?}",
         (

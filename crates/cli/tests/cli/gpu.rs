@@ -60,8 +60,8 @@ fn raw_frames_are_the_processors_samples_with_layers() {
     }
     let [cpu, gpu, before] = ["cpu-0004.exr", "gpu-ray-0004.exr", "gpu-ray-0003.exr"].map(planes);
     let colour = |planes: &Planes| planes.colour.par_map(|&[r, g, b, _]| [r, g, b]);
-    // One sample of three layers: rounding. Frames that were added up, or another frame's, are further apart by
-    // far.
+    // One sample of three layers: rounding. Frames that were added up, or another frame's, are further apart
+    // by far.
     assert!(rms(&colour(&cpu), &colour(&gpu)).unwrap() < 1e-5);
     assert!(rms(&colour(&gpu), &colour(&before)).unwrap() > 1e-2);
     let layers = |planes: Planes| planes.layers.expect("raw frames have layers").into_vec();

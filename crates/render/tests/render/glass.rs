@@ -12,7 +12,7 @@ use sheer_render::{
     method::{Family, METHODS},
 };
 use sheer_scene::{
-    CameraChoice, Scene,
+    CameraChoice, ClipPlanes, Scene,
     camera::{Camera, CameraKey, CameraMotion, Lens},
     model::{AlphaMode, Instance, Material, Mesh, Node, SceneParts, ShadingModel, Transform},
 };
@@ -145,6 +145,7 @@ fn squares(squares: &[(Material, Vec3)]) -> Scene {
         cameras: vec![Camera {
             name: "front".to_owned(),
             lens: Lens::Orthographic { half_height: 1.6 },
+            clip: ClipPlanes::NONE,
             motion: CameraMotion::Path {
                 keys: vec![CameraKey { time_secs: 0.0, eye: Vec3::Z, target: Vec3::ZERO }],
             },

@@ -8,10 +8,9 @@ use std::ops::Range;
 use glam::{Affine3A, Mat3, Vec2, Vec3};
 
 use super::{
-    Object,
     attribute::{VertexLists, gather},
     deform::normal_matrix,
-    storage::{Look, MIRRORED, OPAQUE, SINGLE_SIDED, TINTED, TriangleOpacity},
+    storage::{Look, MIRRORED, OPAQUE, Object, SINGLE_SIDED, TINTED, TriangleOpacity},
 };
 use crate::model::{AlphaMode, Instance, Material, Mesh, SceneParts, TextureRef};
 

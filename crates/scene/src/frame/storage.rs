@@ -18,6 +18,20 @@ pub const SLOT: u32 = TINTED - 1;
 /// Stands for the index of a texture where there is none.
 pub const NO_TEXTURE: u32 = u32::MAX;
 
+/// A thing with an identity: one primitive of one instance, or one particle quad.
+#[derive(Clone, Debug)]
+pub struct Object {
+    /// Identity of the instance or particle, stable over time: `InstanceID()` of STD Listing 4.
+    pub id: u32,
+    /// Which primitive of the instance it is: `GeometryIndex()` of STD Listing 4.
+    pub geometry: u32,
+    /// Index into the scene's materials.
+    pub material: u32,
+    /// Number of its first triangle; the others follow.
+    pub first_triangle: u32,
+    pub(super) look: Look,
+}
+
 /// Where an object's vertex attributes come from.
 #[derive(Clone, Debug)]
 pub enum Look {

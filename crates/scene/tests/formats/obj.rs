@@ -90,7 +90,7 @@ fn corners_without_coordinates_or_normals_do_not_shift_those_of_others() {
     };
     assert!(find(Vec3::X, Vec2::new(1.0, 0.0)) && find(Vec3::ZERO, Vec2::new(0.0, 1.0)));
     assert!(mesh.normals.iter().all(|normal| normal.is_normalized()));
-    assert!(mesh.normals.iter().any(|normal| *normal == Vec3::NEG_Z));
+    assert!(mesh.normals.contains(&Vec3::NEG_Z));
 }
 
 #[test]

@@ -13,7 +13,7 @@ use sheer_core::text::{MemorySize, printable, quoted};
 
 use super::{
     choice::Choices,
-    estimate, lenient,
+    json_size, lenient,
     limits::{BASE_BYTES, BYTES_PER_INPUT_BYTE},
     meshopt,
     resource::{self, UriError},
@@ -73,7 +73,7 @@ impl<'a> Document<'a> {
         let memory = options.memory_limit.map_or(u64::MAX, |limit| limit.0);
         let (json, binary_chunk) =
             resource::split_container(bytes).map_err(|problem| fault("container", problem))?;
-        let parsed = estimate::parsed_bytes(json).saturating_add(bytes.len() as u64);
+        let parsed = json_size::parsed_bytes(json).saturating_add(bytes.len() as u64);
         let memory_left = memory.checked_sub(parsed).ok_or_else(|| SceneError::Limit {
             path: path.to_owned(),
             place: "JSON".to_owned(),
@@ -82,7 +82,7 @@ impl<'a> Document<'a> {
         let strict: Option<Root> = serde_json::from_slice(json).ok();
         let lenient::Parsed { mut root, is_straightened, left_out } = match strict {
             Some(root) => lenient::Parsed { root, is_straightened: false, left_out: Vec::new() },
-            None if estimate::tree_bytes(json) > memory_left.min(LARGEST_TREE) => {
+            None if json_size::tree_bytes(json) > memory_left.min(LARGEST_TREE) => {
                 let problem = "it does not parse as it stands, and is too large to find out why; check it with a glTF validator";
                 return Err(fault("JSON", problem.to_owned()));
             }

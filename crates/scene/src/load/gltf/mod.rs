@@ -36,6 +36,7 @@ mod draco;
 mod draco_walk;
 mod estimate;
 mod image;
+mod json_size;
 #[cfg(feature = "ktx2")]
 mod ktx2;
 mod lenient;
