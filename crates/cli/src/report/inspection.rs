@@ -280,12 +280,23 @@ impl Inspection {
         let mut line = |name: &str, value: String| {
             let _ = writeln!(text, "  {name:<10}{value}");
         };
-        line("geometry", format!("{meshes} meshes of {vertices} vertices and {triangles} triangles"));
-        line("drawn", format!("{instances} instances at {nodes} nodes, {drawn_triangles} triangles"));
+        let meshes = counted(meshes, "mesh", "meshes");
+        let vertices = counted(vertices, "vertex", "vertices");
+        let triangles = counted(triangles, "triangle", "triangles");
+        line("geometry", format!("{meshes} of {vertices} and {triangles}"));
+        let instances = counted(instances, "instance", "instances");
+        let nodes = counted(nodes, "node", "nodes");
+        let triangles = counted(drawn_triangles, "triangle", "triangles");
+        line("drawn", format!("{instances} at {nodes}, {triangles}"));
         if particles + skins + morph_targets > 0 {
-            line("moving", format!("{particles} particles, {skins} skins, {morph_targets} morph targets"));
+            let particles = counted(particles, "particle", "particles");
+            let skins = counted(skins, "skin", "skins");
+            let targets = counted(morph_targets, "morph target", "morph targets");
+            line("moving", format!("{particles}, {skins}, {targets}"));
         }
-        line("looks", format!("{materials} materials, {textures} textures of {images} images"));
+        let materials = counted(materials, "material", "materials");
+        let textures = counted(textures, "texture", "textures");
+        line("looks", format!("{materials}, {textures} of {}", counted(images, "image", "images")));
         let [low, high] = self.bounds;
         line("bounds", format!("{} to {}", vector(low), vector(high)));
         let Memory { geometry, textures, frame } = self.memory;
@@ -297,6 +308,11 @@ impl Inspection {
         );
         text
     }
+}
+
+/// A number of things, in words.
+fn counted(count: usize, one: &str, many: &str) -> String {
+    format!("{count} {}", if count == 1 { one } else { many })
 }
 
 impl Counts {

@@ -59,7 +59,7 @@ fn it_tells_what_a_file_holds() {
     let text = succeed(folder.path(), "inspect a.gltf").stdout;
     for says in [
         "a.gltf: glTF 2.0",
-        "1 instances at 4 nodes, 1 triangles",
+        "1 instance at 4 nodes, 1 triangle",
         "KHR_materials_sheen",
         "has no effect here",
         "Scenes (--scene)",

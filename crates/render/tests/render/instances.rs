@@ -122,7 +122,7 @@ fn every_method_and_every_shadow_map_shows_shared_triangles_as_if_they_were_copi
     // rounding has the order of the tree.
     let maps: Vec<&str> = SHADOWS.iter().map(|info| info.id).filter(|id| *id != "deep").collect();
     for (index, info) in METHODS.iter().enumerate() {
-        let shadow: Shadow = maps[index % maps.len()].parse().unwrap();
+        let shadow: Shadow = format!("{}:resolution=128", maps[index % maps.len()]).parse().unwrap();
         let settings = Settings { size: SIZE, shadow, ..Settings::default() };
         let method = info.id.parse().unwrap();
         let [shared, copied] = [play(&mut shared, &method, settings), play(&mut copied, &method, settings)];

@@ -130,12 +130,16 @@ fn a_variant_is_chosen_by_name_or_number() {
     let error = refused(&file, |options| options.variant = Some("sea".to_owned()));
     assert!(error.ends_with("it has 0 'leaf', 1 'sky', 2 'lawn', 3 'bare'"), "{error}");
     assert!(load(&file, &LoadOptions::default()).unwrap().warnings.is_empty());
-    // A mapping to a material that is not there names the primitive.
+    // A mapping to a material that is not there names the primitive, and is an error where that is asked for.
     let mut broken = variants();
     broken.primitive()["extensions"]["KHR_materials_variants"]["mappings"][0]["material"] = json!(9);
-    let options = LoadOptions { variant: Some("leaf".to_owned()), ..LoadOptions::default() };
+    let mut options = LoadOptions { variant: Some("leaf".to_owned()), ..LoadOptions::default() };
+    let warnings = load(&broken, &options).unwrap().warnings;
+    options.strict = true;
     let error = load(&broken, &options).unwrap_err().to_string();
-    assert!(error.contains("mesh 0") && error.contains("material 9"), "{error}");
+    for said in [warnings[0].to_string(), error] {
+        assert!(said.contains("meshes[0].primitives[0]") && said.contains("material 9"), "{said}");
+    }
 }
 
 #[test]

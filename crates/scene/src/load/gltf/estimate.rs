@@ -4,7 +4,7 @@
 //! The counts are those that the file states, as far as its buffers, as long as they say they are, can hold
 //! them. What is wrong with them is said by whoever reads them.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 
 use sheer_core::text::MemorySize;
 
@@ -12,6 +12,7 @@ use super::{
     document::Document,
     mesh::MOST_UNUSED,
     node::{self, Hierarchy},
+    pointer::{self, Pointed},
     schema::{self, Index, Primitive, Root},
     topology::Topology,
 };
@@ -28,16 +29,28 @@ pub(super) fn check(document: &Document<'_>, hierarchy: &Hierarchy) -> Result<()
         return Ok(());
     }
     let root = &document.root;
-    let counts = Counts { root };
+    let mut counts = Counts { root, animated_materials: HashSet::new() };
     let mut sum = Sum::default();
 
-    // Animations, and which nodes they move.
+    // Animations, which nodes they move or show, and which materials they change.
     let mut moves = vec![false; root.nodes.len()];
     for (index, animation) in root.animations.iter().enumerate() {
         let place = || format!("animations[{index}]");
         for channel in &animation.channels {
-            if let Some(moved) = channel.target.node.and_then(|node| moves.get_mut(node)) {
-                *moved = true;
+            match pointer::of_target(&channel.target).as_deref().and_then(pointer::parse) {
+                Some(Pointed::Node { node, .. } | Pointed::Visibility { node }) => {
+                    if let Some(moved) = moves.get_mut(node) {
+                        *moved = true;
+                    }
+                }
+                Some(
+                    Pointed::BaseColour { material }
+                    | Pointed::Factor { material, .. }
+                    | Pointed::TextureTransform { material, .. },
+                ) => {
+                    counts.animated_materials.insert(material);
+                }
+                _ => {}
             }
             if let Some(sampler) = animation.samplers.get(channel.sampler) {
                 sum.add(counts.keys(sampler), place);
@@ -141,7 +154,8 @@ impl MeshCost {
         let mut most_unused = 0;
         for primitive in mesh.primitives.iter().map(|primitive| counts.primitive(primitive)) {
             cost.stored_bytes = cost.stored_bytes.saturating_add(primitive.stored_bytes);
-            most_unused = most_unused.max(primitive.read_bytes - primitive.stored_bytes);
+            // Points and lines take more as bodies than they were read.
+            most_unused = most_unused.max(primitive.read_bytes.saturating_sub(primitive.stored_bytes));
             let bytes = [false, true].map(|is_moved| {
                 let how = Drawn { moves: primitive.deforms || is_moved, is_opaque: primitive.is_opaque };
                 cost::of_object(primitive.triangles, how)
@@ -176,6 +190,8 @@ struct PrimitiveCost {
 /// The numbers of a file.
 struct Counts<'r> {
     root: &'r Root,
+    /// What has them is made anew for each frame.
+    animated_materials: HashSet<Index>,
 }
 
 impl Counts<'_> {
@@ -227,7 +243,9 @@ impl Counts<'_> {
         });
 
         let material = primitive.material.and_then(|index| self.root.materials.get(index));
-        let deforms = !primitive.targets.is_empty() || primitive.attributes.contains_key("JOINTS_0");
+        let deforms = !primitive.targets.is_empty()
+            || primitive.attributes.contains_key("JOINTS_0")
+            || primitive.material.is_some_and(|index| self.animated_materials.contains(&index));
         PrimitiveCost {
             triangles,
             read_bytes,
