@@ -70,7 +70,7 @@ fn it_tells_what_a_file_holds() {
         "lamp",
         "glass",
         "0.250",
-        "animation 1 'jump' is not played",
+        "animations[1] ('jump') is not played",
     ] {
         assert!(text.contains(says), "{says} is missing in\n{text}");
     }

@@ -509,13 +509,16 @@ fn jpeg_bomb(path: &Path) {
     with_image(path, &bytes);
 }
 
-/// A lossless WebP that says 16,384 pixels a side: 14 bits each of width and height less one.
+/// A lossless WebP that says 16,383 pixels a side.
 fn webp_bomb(path: &Path) {
     let mut bytes = encoded(image::ImageFormat::WebP);
     let data = bytes.windows(4).position(|chunk| chunk == b"VP8L").unwrap() + 8;
     assert_eq!(bytes[data], 0x2f);
     let flags = bytes[data + 4] & 0xf0;
-    bytes[data + 1..data + 5].copy_from_slice(&[0xff, 0xff, 0xff, 0x0f | flags]);
+    // Sides less one in 14 bits each, of 16,383 pixels: the reader takes the largest there is for none.
+    let sides = 0x3ffe_u32 << 14 | 0x3ffe;
+    bytes[data + 1..data + 5].copy_from_slice(&sides.to_le_bytes());
+    bytes[data + 4] |= flags;
     with_image(path, &bytes);
 }
 
