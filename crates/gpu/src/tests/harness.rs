@@ -6,8 +6,8 @@ use sheer_render::Method;
 use wgpu::{BufferUsages, ShaderStages};
 
 use crate::{
-    accel,
-    device::{AdapterChoice, Gpu},
+    device::{AdapterChoice, Gpu, Tracer},
+    pipeline::{base_linker, with_glass},
     recording::compute_pipeline,
     resource::bind_group::{group_of, layout},
     shader::{
@@ -44,16 +44,20 @@ pub(super) fn is_software() -> bool {
 
 /// A piece with all that it imports; rays are traced through our own tree.
 pub(super) fn link(piece: &str) -> Linked {
+    linker().link(piece).unwrap()
+}
+
+/// The same for scenes with coloured glass.
+pub(super) fn link_with_glass(piece: &str) -> Linked {
+    with_glass(linker()).link(piece).unwrap()
+}
+
+fn linker() -> Linker {
     let method: Method = "std".parse().unwrap();
-    Linker::new()
+    base_linker(Tracer::Bvh)
         .method(&method)
         .constants(Tables::new(&[], [0, 0]).constants())
-        .constants(accel::constants())
         .constants(constant::text(&[Constant::new("ANSWER_LENGTH", ANSWER_LENGTH as u32)]))
-        .alias("shadow", "shared/shadow_deep")
-        .alias("traverse", "shared/traverse_bvh")
-        .link(piece)
-        .unwrap()
 }
 
 /// A buffer that holds these bytes, and at least 64, since none may be empty.

@@ -3,7 +3,7 @@
 use naga::{Module, TypeInner};
 
 use super::{
-    harness::link,
+    harness::{link, link_with_glass},
     shaders::{validate, validated},
 };
 use crate::shader::{
@@ -68,6 +68,8 @@ fn every_piece_of_the_scene_compiles_alone() {
         "shared/vector",
         "probe/surface",
     ] {
-        validate(&link(piece)).unwrap_or_else(|error| panic!("{piece}: {error}"));
+        for linked in [link(piece), link_with_glass(piece)] {
+            validate(&linked).unwrap_or_else(|error| panic!("{piece}: {error}"));
+        }
     }
 }

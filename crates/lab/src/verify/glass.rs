@@ -162,13 +162,8 @@ mod tests {
     fn a_whole_period_is_exact_and_a_part_of_it_is_not() {
         let mut one = stage(&scene(1), None).unwrap();
         assert!(exactly(&mut one, 1, "stbn", [64, 64, 16]).unwrap().pass);
-        assert!(!exactly(&mut one, 1, "stbn", [64, 64, 15]).unwrap().pass);
+        // Each frame of the pattern has all of its levels, but not each part of a frame.
+        assert!(!exactly(&mut one, 1, "stbn", [64, 40, 16]).unwrap().pass);
         assert!(!exactly(&mut grey(1), 1, "stbn", [64, 64, 16]).unwrap().pass);
-    }
-
-    #[test]
-    fn the_known_bias_of_stacked_patterns_is_found() {
-        let mut three = stage(&scene(3), None).unwrap();
-        assert!(!passes(on_average(&mut three, 3, "std").unwrap()));
     }
 }
