@@ -12,7 +12,8 @@ use sheer_gpu::{AdapterChoice, Gpu, GpuError, GpuPathChoice, GpuPipeline, GpuSta
 use sheer_image::Planes;
 use sheer_render::{Antialiasing, Background, Counters, Settings, Stage as CpuStage};
 use sheer_scene::{
-    CameraChoice, Scene,
+    CameraChoice, ClipPlanes, Scene,
+    camera::{Camera, CameraKey, CameraMotion, Lens},
     model::{AlphaMode, Instance, Material, Mesh, Node, SceneParts, ShadingModel, Transform},
 };
 
@@ -214,6 +215,20 @@ fn sheets_in_one_place() -> Scene {
                 ..Material::default()
             })
             .into(),
+        // No edge is in sight but the diagonals, and these lie beside the centres of pixels: a rasteriser may
+        // draw an edge into another pixel than rays find it in.
+        cameras: vec![Camera {
+            name: "front".to_owned(),
+            lens: Lens::Orthographic { half_height: 0.6 },
+            clip: ClipPlanes::NONE,
+            motion: CameraMotion::Path {
+                keys: vec![CameraKey {
+                    time_secs: 0.0,
+                    eye: Vec3::new(0.013, 0.007, 1.0),
+                    target: Vec3::new(0.013, 0.007, 0.0),
+                }],
+            },
+        }],
         exposure: 1.0,
         ..SceneParts::default()
     })

@@ -59,11 +59,16 @@ fn on_gpu(gpu: &Arc<Gpu>, stage: &mut GpuStage, method: &str, settings: Settings
 /// samples lie within.
 fn interior(stage: &sheer_render::Stage) -> Vec<bool> {
     let [width, height] = SIZE;
-    let offsets = [[0.5, 0.5], [0.02, 0.02], [0.98, 0.02], [0.02, 0.98], [0.98, 0.98]].map(Vec2::from);
+    // Close enough to one another that a triangle between them has hardly a sample.
+    let sides = [0.02, 0.26, 0.5, 0.74, 0.98];
+    let offsets: Vec<Vec2> = sides.iter().flat_map(|&y| sides.map(|x| Vec2::new(x, y))).collect();
     let met = |at: Vec2| stage.triangles_through(at, SIZE);
     let pixels = (0..height).flat_map(|y| (0..width).map(move |x| UVec2::new(x, y).as_vec2()));
     pixels
-        .map(|corner| offsets.map(|offset| met(corner + offset)).windows(2).all(|two| two[0] == two[1]))
+        .map(|corner| {
+            let first = met(corner + offsets[0]);
+            offsets[1..].iter().all(|offset| met(corner + *offset) == first)
+        })
         .collect()
 }
 
@@ -116,7 +121,7 @@ fn pixels_that_triangles_cover_whole_are_the_cpus() {
             assert!(inside == 0.0, "{name}, {method}: {inside} of the inner pixels");
             // Edges: of small triangles there are many, and one sample in four may see another set of
             // triangles than the centre.
-            assert!(all < 0.1, "{name}, {method}: {all} of all pixels");
+            assert!(all < 0.15, "{name}, {method}: {all} of all pixels");
         }
     }
 }
