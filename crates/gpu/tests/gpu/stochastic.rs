@@ -10,7 +10,7 @@ use sheer_image::Planes;
 use sheer_render::{Antialiasing, Counters, Settings, StepTime};
 use sheer_scene::CameraChoice;
 
-const SIZE: [u32; 2] = [96, 64];
+const SIZE: [u32; 2] = [120, 80];
 
 fn gpu() -> Arc<Gpu> {
     Gpu::new(&AdapterChoice::Best).unwrap()
@@ -121,7 +121,7 @@ fn pixels_that_triangles_cover_whole_are_the_cpus() {
             assert!(inside == 0.0, "{name}, {method}: {inside} of the inner pixels");
             // Edges: of small triangles there are many, and one sample in four may see another set of
             // triangles than the centre.
-            assert!(all < 0.15, "{name}, {method}: {all} of all pixels");
+            assert!(all < 0.1, "{name}, {method}: {all} of all pixels");
         }
     }
 }
