@@ -100,7 +100,7 @@ impl Experiments {
     pub(crate) fn markdown(&self, folder: &str) -> String {
         let Run { size: [width, height], threads, adapter, commit, seed, .. } = &self.run;
         let mut text = format!(
-            "# Results\n\nMade by `sheer experiments` at {width}x{height} on {threads} threads ({adapter}), commit `{commit}`, seed {seed}. \
+            "# Results\n\nMade by `sheer experiments` at {width}x{height} on {threads} threads ({adapter}), commit `{commit}`, seed {seed}.\n\n\
              Times are those of this machine and good to compare with one another only. A cross marks what did not come out as the paper, or we, say, a question mark what the seeds do not decide.\n"
         );
         for section in &self.sections {
