@@ -8,7 +8,7 @@ use std::{
 use anyhow::{Context as _, ensure};
 
 use crate::{
-    rules, setup,
+    binaries, rules, setup,
     workspace::{call, call_with, root, sources},
 };
 
@@ -23,7 +23,7 @@ const STEPS: [Step; 7] = [
         call("cargo", &["clippy", "--workspace", "--all-targets", "--locked", "--", "-D", "warnings"])
     }),
     ("build", || call("cargo", &["test", "--workspace", "--locked", "--no-run"])),
-    ("test", || call_with("cargo", &["test", "--workspace", "--locked", "--no-fail-fast"], &SOFTWARE_DRIVER)),
+    ("test", || binaries::run(&SOFTWARE_DRIVER)),
     ("document", || {
         call_with(
             "cargo",
