@@ -8,7 +8,7 @@ use sheer_render::{
     backend::{Backend, StepClock},
     contract::Raster,
 };
-use sheer_scene::{CameraChoice, Scene};
+use sheer_scene::{CameraChoice, CameraPose, Scene};
 
 use crate::{
     device::Gpu,
@@ -60,6 +60,10 @@ impl Backend for GpuBackend {
         stage.threads()
     }
 
+    fn look_from(&self, stage: &mut GpuStage, pose: CameraPose) {
+        stage.look_from(pose);
+    }
+
     fn advance(&self, stage: &mut GpuStage, moment: Moment) -> Result<(), GpuError> {
         stage.advance(moment)
     }
@@ -94,6 +98,10 @@ impl Backend for GpuBackend {
         index: u32,
     ) -> Result<(Counters, Timings), GpuError> {
         pipeline.render(stage, index)
+    }
+
+    fn reset_history(&self, pipeline: &mut GpuPipeline) {
+        pipeline.reset_history();
     }
 
     fn planes<'p>(&self, pipeline: &'p GpuPipeline) -> Result<Cow<'p, Planes>, GpuError> {

@@ -236,6 +236,12 @@ impl GpuPipeline {
         self.resources.submit(&self.gpu, stage, &parameters, self.method.alignment())
     }
 
+    /// Forgets what has been added up: the next frame shows something else, after a cut or a jump of the
+    /// camera.
+    pub fn reset_history(&mut self) {
+        self.resources.history.reset();
+    }
+
     /// The picture so far, read back: colour accumulated, everything else of the last frame.
     ///
     /// # Errors

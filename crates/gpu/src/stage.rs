@@ -104,6 +104,8 @@ pub struct GpuStage {
     animator: Animator,
     source: Arc<Scene>,
     camera: CameraChoice,
+    /// A pose of the caller's, which takes the camera's place.
+    own_pose: Option<CameraPose>,
     /// What the animator was last advanced to; none at time zero.
     moment: Option<Moment>,
     /// The scene on the processor, where it was needed there.
@@ -151,6 +153,7 @@ impl GpuStage {
             animator,
             source,
             camera: choice,
+            own_pose: None,
             moment: None,
             twin: Mutex::new(None),
             pool,
@@ -161,6 +164,14 @@ impl GpuStage {
             generation,
             version: next_version(),
         })
+    }
+
+    /// From the next [`Self::advance`] on, the scene is seen from this pose, and no longer from its camera,
+    /// until another is given: for cameras that a user moves. Motion vectors point to the pose of the frame
+    /// before; where it jumps, [`GpuPipeline::reset_history`](crate::GpuPipeline::reset_history) says so.
+    pub fn look_from(&mut self, pose: CameraPose) {
+        self.own_pose = Some(pose);
+        self.animator.look_from(pose);
     }
 
     /// Moves everything to a moment, uploads what has moved and rebuilds the acceleration structure over it.
@@ -248,6 +259,9 @@ impl GpuStage {
             Some(stage) => stage,
             none => none.insert(Stage::new(Arc::clone(&self.source), &self.camera, Some(self.threads()))?),
         };
+        if let Some(pose) = self.own_pose {
+            stage.look_from(pose);
+        }
         if let Some(moment) = self.moment {
             stage.advance(moment);
         }

@@ -77,7 +77,7 @@ struct LayerBuffers {
 
 impl LayerBuffers {
     fn new(gpu: &Gpu, size: [u32; 2]) -> Result<Self, GpuError> {
-        let kept = |label| pixel_buffer(gpu, size, label, [KEPT_BYTES, 0], BufferUsages::empty());
+        let kept = |label| pixel_buffer(gpu, size, label, [KEPT_BYTES, 0], BufferUsages::COPY_DST);
         Ok(Self { kept: [kept("layer history")?, kept("layer history")?], moved: kept("moved layers")? })
     }
 }
@@ -135,6 +135,12 @@ impl History {
         })
     }
 
+    /// Starts anew: the next frame owes nothing to those before it.
+    pub(crate) fn reset(&mut self) {
+        self.count = 0;
+        self.still_count = 0;
+    }
+
     /// Records that the next frame is taken in. One frame a submission: its settings are written before it
     /// begins. `layers` of the frame are there where the technique asks for them.
     pub(crate) fn record(
@@ -160,12 +166,18 @@ impl History {
             whole(BIND_NEXT_HISTORY, &self.colours[next]),
         ];
         match (&self.layers, layers) {
-            (Some(LayerBuffers { kept, moved }), Some(layers)) => entries.extend([
-                whole(BIND_NEW_LAYERS, layers),
-                whole(BIND_KEPT, &kept[old]),
-                whole(BIND_MOVED, moved),
-                whole(BIND_NEXT_KEPT, &kept[next]),
-            ]),
+            (Some(LayerBuffers { kept, moved }), Some(layers)) => {
+                // Layers say by their weight of 0 that nothing was there.
+                if count == 0 {
+                    encoder.clear_buffer(&kept[old], 0, None);
+                }
+                entries.extend([
+                    whole(BIND_NEW_LAYERS, layers),
+                    whole(BIND_KEPT, &kept[old]),
+                    whole(BIND_MOVED, moved),
+                    whole(BIND_NEXT_KEPT, &kept[next]),
+                ]);
+            }
             _ => entries.push(whole(BIND_HISTORY, &self.colours[old])),
         }
         let group = group_of(&gpu.device(), "temporal", &self.layout, &entries);
@@ -299,19 +311,23 @@ mod tests {
         planes.layers.as_ref().unwrap().as_slice().iter().map(record).collect()
     }
 
-    /// Adds frames up on the device, and reads the last state back.
+    /// Adds frames up on the device, those from `cut` on anew, and reads the last state back.
     fn on_device(
         gpu: &Gpu,
         antialiasing: Antialiasing,
         frames: &[Planes],
         alignment: Alignment,
         seed: u32,
+        cut: Option<u32>,
     ) -> Planes {
         let (device, queue) = (gpu.device(), gpu.queue());
         let mut history = History::new(gpu, antialiasing, SIZE).unwrap();
         let mut timer = Timer::new(&device, &queue, 3);
         let mut planes = None;
         for (frame, current) in (0..).zip(frames) {
+            if cut == Some(frame) {
+                history.reset();
+            }
             let buffer_of = |contents: &[u8]| {
                 device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
                     label: None,
@@ -331,9 +347,17 @@ mod tests {
         planes.unwrap()
     }
 
-    fn on_processor(antialiasing: Antialiasing, frames: &[Planes], alignment: Alignment) -> Planes {
+    fn on_processor(
+        antialiasing: Antialiasing,
+        frames: &[Planes],
+        alignment: Alignment,
+        cut: Option<u32>,
+    ) -> Planes {
         let mut history = CpuHistory::new(antialiasing, SIZE).unwrap();
         for (frame, current) in (0..).zip(frames) {
+            if cut == Some(frame) {
+                history.reset();
+            }
             let run = Settings { size: SIZE, seed: SEED, ..Settings::default() };
             let settings =
                 FrameSettings { run, frame, jitter: Vec2::ZERO, layers: None, is_still: is_still(frame) };
@@ -366,11 +390,11 @@ mod tests {
             let antialiasing: Antialiasing = name.parse().unwrap();
             for &rule in AlignmentRule::ALL {
                 let alignment = Alignment { side_px: 3, rule };
-                for count in [1, 2, 12] {
-                    let device = on_device(&gpu, antialiasing, &frames[..count], alignment, SEED);
-                    let processor = on_processor(antialiasing, &frames[..count], alignment);
+                for (count, cut) in [(1, None), (2, None), (12, None), (6, Some(3)), (12, Some(8))] {
+                    let device = on_device(&gpu, antialiasing, &frames[..count], alignment, SEED, cut);
+                    let processor = on_processor(antialiasing, &frames[..count], alignment, cut);
                     let difference = largest_difference(&device, &processor);
-                    let what = format!("{antialiasing}, {rule:?}, {count} frames");
+                    let what = format!("{antialiasing}, {rule:?}, {count} frames, anew from {cut:?}");
                     assert!(difference <= ROUNDING, "{what}: {difference}");
                     assert_eq!(Planes { colour: processor.colour.clone(), ..device }, processor, "{what}");
                 }
@@ -383,12 +407,12 @@ mod tests {
         let gpu = Gpu::new(&AdapterChoice::Best).unwrap();
         let frames = frames();
         for &rule in AlignmentRule::ALL {
-            let processor = on_processor(Antialiasing::TAA, &frames, Alignment { side_px: 3, rule });
+            let processor = on_processor(Antialiasing::TAA, &frames, Alignment { side_px: 3, rule }, None);
             let others = AlignmentRule::ALL.iter().copied().filter(|other| *other != rule);
             let reseeded = (rule == AlignmentRule::Random).then_some((rule, SEED + 1));
             for (wrong, seed) in others.map(|other| (other, SEED)).chain(reseeded) {
                 let alignment = Alignment { side_px: 3, rule: wrong };
-                let device = on_device(&gpu, Antialiasing::TAA, &frames, alignment, seed);
+                let device = on_device(&gpu, Antialiasing::TAA, &frames, alignment, seed, None);
                 let difference = largest_difference(&device, &processor);
                 assert!(difference > 100.0 * ROUNDING, "{rule:?} against {wrong:?}: {difference}");
             }

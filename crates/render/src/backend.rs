@@ -9,7 +9,7 @@
 use std::{borrow::Cow, env, error::Error, fs, sync::Arc};
 
 use sheer_image::{DisplayShare, Planes};
-use sheer_scene::{CameraChoice, Scene};
+use sheer_scene::{CameraChoice, CameraPose, Scene};
 
 use crate::{
     contract::Memory,
@@ -55,6 +55,10 @@ pub trait Backend {
     /// How many threads of the processor work for a stage.
     fn threads(&self, stage: &Self::Stage) -> usize;
 
+    /// From the next [`advance`](Self::advance) on, the scene is seen from this pose, see
+    /// [`Stage::look_from`].
+    fn look_from(&self, stage: &mut Self::Stage, pose: CameraPose);
+
     /// Moves everything to a moment.
     ///
     /// # Errors
@@ -95,6 +99,9 @@ pub trait Backend {
         stage: &mut Self::Stage,
         index: u32,
     ) -> Result<(Counters, Timings), Self::Error>;
+
+    /// Forgets what has been added up, see [`Pipeline::reset_history`].
+    fn reset_history(&self, pipeline: &mut Self::Pipeline);
 
     /// The picture so far: linear premultiplied colour accumulated, but for [`Settings::raw`], everything
     /// else of the last frame.
@@ -172,6 +179,10 @@ impl Backend for Cpu {
         stage.threads()
     }
 
+    fn look_from(&self, stage: &mut Stage, pose: CameraPose) {
+        stage.look_from(pose);
+    }
+
     fn advance(&self, stage: &mut Stage, moment: Moment) -> Result<(), RenderError> {
         stage.advance(moment);
         Ok(())
@@ -202,6 +213,10 @@ impl Backend for Cpu {
         index: u32,
     ) -> Result<(Counters, Timings), RenderError> {
         pipeline.render(stage, index)
+    }
+
+    fn reset_history(&self, pipeline: &mut Pipeline) {
+        pipeline.reset_history();
     }
 
     fn planes<'p>(&self, pipeline: &'p Pipeline) -> Result<Cow<'p, Planes>, RenderError> {

@@ -83,6 +83,12 @@ impl<M: Transparency> Pipeline<M> {
         Ok((rendered.counters, timings))
     }
 
+    /// Forgets what has been added up: the next frame shows something else, after a cut or a jump of the
+    /// camera.
+    pub fn reset_history(&mut self) {
+        self.history.reset();
+    }
+
     /// Where the time of the last frame went, for compositing methods with an unordered gathering.
     #[must_use]
     pub fn steps(&self) -> &[StepTime] {

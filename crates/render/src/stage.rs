@@ -5,7 +5,7 @@ use std::{sync::Arc, time::Instant};
 use glam::{UVec2, Vec2};
 use rayon::{ThreadPool, ThreadPoolBuilder, prelude::*};
 use sheer_accel::{Bvh, Instance, MeshTree, Ray};
-use sheer_scene::{Animator, CameraChoice, CameraRay, Frame, MeshInstance, Scene, Sharing};
+use sheer_scene::{Animator, CameraChoice, CameraPose, CameraRay, Frame, MeshInstance, Scene, Sharing};
 
 use crate::error::RenderError;
 
@@ -85,6 +85,13 @@ impl Stage {
             (animator, bvh, shared_meshes)
         });
         Ok(Self { animator, bvh, shared_meshes, pool, build_ms: start.elapsed().as_secs_f64() * 1e3, lift })
+    }
+
+    /// From the next [`Self::advance`] on, the scene is seen from this pose, and no longer from its camera,
+    /// until another is given: for cameras that a user moves. Motion vectors point to the pose of the frame
+    /// before; where it jumps, [`Pipeline::reset_history`](crate::Pipeline::reset_history) says so.
+    pub fn look_from(&mut self, pose: CameraPose) {
+        self.animator.look_from(pose);
     }
 
     /// Moves everything to a moment and rebuilds the acceleration structure over what moves.
@@ -213,6 +220,37 @@ fn placed(frame: &Frame, shared_meshes: &[u32]) -> Vec<Instance> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_pose_of_the_callers_takes_the_place_of_the_camera() {
+        let scene = Arc::new(sheer_gallery::open("smoke-square").unwrap().scene);
+        let orbit = scene.camera(&CameraChoice::Orbit).unwrap();
+        let mut by_camera = Stage::new(Arc::clone(&scene), &CameraChoice::Orbit, Some(1)).unwrap();
+        let mut by_pose = Stage::new(Arc::clone(&scene), &CameraChoice::Default, Some(1)).unwrap();
+        let seen_by = |stage: &Stage| (*stage.frame().camera(), *stage.frame().previous_camera());
+        let moment = |frame: u8| Moment {
+            time_secs: 0.1 * f32::from(frame),
+            previous_secs: 0.1 * f32::from(frame.saturating_sub(1)),
+        };
+        for frame in 0..4 {
+            by_camera.advance(moment(frame));
+            by_pose.look_from(scene.pose(&orbit, moment(frame).time_secs));
+            by_pose.advance(moment(frame));
+            // Before the first pose the scene was seen from elsewhere.
+            if frame > 0 {
+                assert_eq!(seen_by(&by_pose), seen_by(&by_camera), "frame {frame}");
+                assert_eq!(by_pose.frame().triangles(), by_camera.frame().triangles(), "frame {frame}");
+            }
+        }
+        // Time may stand while the camera moves, and both may.
+        let pose = scene.pose(&orbit, 5.0);
+        by_pose.look_from(pose);
+        for is_still in [false, true] {
+            by_pose.advance(Moment { time_secs: 0.3, previous_secs: 0.3 });
+            let (now, before) = seen_by(&by_pose);
+            assert_eq!((now, before == pose, by_pose.frame().is_still()), (pose, is_still, is_still));
+        }
+    }
 
     #[test]
     fn edges_are_where_triangles_end_and_nowhere_else() {

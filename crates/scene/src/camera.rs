@@ -2,7 +2,7 @@
 
 use std::f32::consts::TAU;
 
-use glam::{Affine3A, Mat3, Vec2, Vec3};
+use glam::{Affine3A, Mat3, Vec2, Vec3, Vec3Swizzles as _};
 
 /// The side of what a sample sees of a pixel's side. Jittered samples average over the pixel by themselves,
 /// and a lookup reaches over twice its footprint: a whole pixel blurs the moving pane, still and exact, to an
@@ -12,7 +12,7 @@ const BEAM_SHARE: f32 = 0.5;
 const ORBIT_PERIOD_SECS: f32 = 12.0;
 
 /// A camera of the scene.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Camera {
     /// Name for `--camera NAME`; built-in scenes use `static` and `path`.
     pub name: String,
@@ -61,7 +61,7 @@ pub enum Lens {
 }
 
 /// Where a camera is at a time.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum CameraMotion {
     /// It hangs on a node, animated or not.
     Node(u32),
@@ -153,6 +153,13 @@ impl Camera {
         }
     }
 
+    /// A camera that stays where it is.
+    #[must_use]
+    pub fn still(name: &str, pose: CameraPose) -> Self {
+        let CameraPose { world_from_camera, lens, clip } = pose;
+        Self { name: name.to_owned(), lens, clip, motion: CameraMotion::Still { world_from_camera } }
+    }
+
     /// A camera that circles a point it looks at, once in twelve seconds, starting from `eye`.
     #[must_use]
     pub fn orbit(lens: Lens, target: Vec3, eye: Vec3) -> Self {
@@ -187,8 +194,16 @@ impl CameraPose {
     /// planes.
     #[must_use]
     pub fn looking_at(lens: Lens, eye: Vec3, target: Vec3) -> Self {
+        Self::looking_at_with_up(lens, eye, target, Vec3::Y)
+    }
+
+    /// The same with another direction up in the picture, of any length; any up if it is none or looking
+    /// straight along it.
+    #[must_use]
+    pub fn looking_at_with_up(lens: Lens, eye: Vec3, target: Vec3, up: Vec3) -> Self {
         let back = (eye - target).try_normalize().unwrap_or(Vec3::Z);
-        let up = if back.y.abs() > 0.9999 { Vec3::Z } else { Vec3::Y };
+        let up = up.try_normalize().unwrap_or(Vec3::Y);
+        let up = if back.dot(up).abs() > 0.9999 { up.zxy() } else { up };
         let right = up.cross(back).normalize();
         let rotation = Mat3::from_cols(right, back.cross(right), back);
         Self {

@@ -39,6 +39,8 @@ pub enum CameraChoice {
     /// By name; built-in scenes have `static` and `path`, and every scene has a `static` one: its default
     /// camera at time zero.
     Named(String),
+    /// A camera of the caller's own; one that hangs on a node hangs on that of the scene.
+    Own(Camera),
 }
 
 /// The shape of a picture for which a view is made up unless the caller says: that of the default size.
@@ -148,6 +150,7 @@ impl Scene {
     pub fn camera(&self, choice: &CameraChoice) -> Result<Camera, SceneError> {
         match choice {
             CameraChoice::Default => Ok(self.default_camera()),
+            CameraChoice::Own(camera) => Ok(camera.clone()),
             CameraChoice::Orbit => {
                 if let Some(camera) = self.parts.cameras.iter().find(|camera| camera.name == "orbit") {
                     return Ok(camera.clone());

@@ -6,6 +6,9 @@
 
 fn resolved(pixel: vec2u, current: PixelRecord) -> vec4f {
     let latest = current.colour;
+    if temporal.count == 0u {
+        return latest;
+    }
     // A young history is a plain mean: the average would take 30 frames to forget the first one.
     let weight = max(P_WEIGHT, 1.0 / (f32(temporal.count) + 1.0));
     let transparent = current.transparent != 0u;

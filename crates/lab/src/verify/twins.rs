@@ -314,6 +314,10 @@ mod tests {
             Cpu.threads(stage)
         }
 
+        fn look_from(&self, stage: &mut Stage, pose: sheer_scene::CameraPose) {
+            Cpu.look_from(stage, pose);
+        }
+
         fn advance(&self, stage: &mut Stage, moment: sheer_render::Moment) -> Result<(), RenderError> {
             Cpu.advance(stage, moment)
         }
@@ -343,6 +347,10 @@ mod tests {
         ) -> Result<(Counters, Timings), RenderError> {
             let (counters, timings) = Cpu.render(pipeline, stage, index)?;
             Ok((Counters { merged: counters.merged + self.merged, ..counters }, timings))
+        }
+
+        fn reset_history(&self, pipeline: &mut Pipeline) {
+            Cpu.reset_history(pipeline);
         }
 
         fn planes<'p>(&self, pipeline: &'p Pipeline) -> Result<Cow<'p, Planes>, RenderError> {

@@ -20,6 +20,7 @@ pub(super) const INFO: AntialiasingInfo = AntialiasingInfo {
     works: &[],
     stores: "the mean colour",
     time_stands_still: true,
+    warm_up_frames: 0,
     parameters: &[],
     constants: &[],
 };
@@ -45,6 +46,10 @@ impl Technique for Accumulate {
         current: &mut Planes,
         _: Reprojection,
     ) -> Result<Option<LayerHistory>, ImageError> {
+        // What was there before a history began anew is no part of it, not even by its rounding.
+        if past.count == 0 {
+            return Ok(None);
+        }
         let weight = 1.0 / (past.count as f32 + 1.0);
         current.colour.par_rows_mut().zip(past.planes.colour.par_rows()).for_each(|(current, mean)| {
             for (current, mean) in current.iter_mut().zip(mean) {

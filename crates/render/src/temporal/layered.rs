@@ -34,6 +34,7 @@ pub(super) const INFO: AntialiasingInfo = AntialiasingInfo {
     works: &[&bibliography::ST, &bibliography::LEE_1980],
     stores: "the average colour of both layers with the number and weight of their samples, coverage, depth",
     time_stands_still: false,
+    warm_up_frames: 72,
     parameters: &[
         ParameterInfo {
             key: "weight",

@@ -189,6 +189,13 @@ impl History {
         &self.past.planes
     }
 
+    /// Starts anew: the next frame owes nothing to those before it.
+    pub fn reset(&mut self) {
+        self.past.layers = None;
+        self.past.count = 0;
+        self.past.still_count = 0;
+    }
+
     /// Takes in the next frame, of a method whose motion vectors are aligned like this
     /// ([`crate::Method::alignment`]).
     ///
@@ -252,8 +259,12 @@ mod tests {
 
     /// Histories of one pixel after frames that show `values`.
     fn added(antialiasing: Antialiasing, values: &[f32]) -> [f32; 4] {
+        let mut history = History::new(antialiasing, [1, 1]).unwrap();
+        add(&mut history, values)
+    }
+
+    fn add(history: &mut History, values: &[f32]) -> [f32; 4] {
         let run = Settings { size: [1, 1], ..Default::default() };
-        let mut history = History::new(antialiasing, run.size).unwrap();
         for (frame, &value) in (0..).zip(values) {
             let mut planes = Planes::new(1, 1).unwrap();
             planes.colour[(0, 0)] = [value; 4];
@@ -272,6 +283,18 @@ mod tests {
     fn what_stands_still_stays_as_it_is_under_every_technique() {
         for info in ANTIALIASINGS {
             assert_eq!(added(info.id.parse().unwrap(), &[0.5; 5]), [0.5; 4], "{}", info.id);
+        }
+    }
+
+    #[test]
+    fn a_history_that_is_reset_is_as_good_as_new() {
+        for info in ANTIALIASINGS {
+            let mut history = History::new(info.id.parse().unwrap(), [1, 1]).unwrap();
+            let before = add(&mut history, &[0.3, 0.7, f32::INFINITY]);
+            history.reset();
+            let after = add(&mut history, &[0.1, 0.2]);
+            assert_eq!(after, added(info.id.parse().unwrap(), &[0.1, 0.2]), "{}", info.id);
+            assert_ne!(before, after);
         }
     }
 

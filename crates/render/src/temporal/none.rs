@@ -18,6 +18,7 @@ pub(super) const INFO: AntialiasingInfo = AntialiasingInfo {
     works: &[],
     stores: "nothing",
     time_stands_still: false,
+    warm_up_frames: 0,
     parameters: &[],
     constants: &[],
 };

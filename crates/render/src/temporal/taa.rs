@@ -26,6 +26,7 @@ pub(super) const INFO: AntialiasingInfo = AntialiasingInfo {
     works: &[&bibliography::SALVI_2016, &bibliography::STD],
     stores: "the average colour",
     time_stands_still: false,
+    warm_up_frames: 40,
     parameters: &[
         ParameterInfo {
             key: "weight",

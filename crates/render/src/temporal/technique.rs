@@ -22,6 +22,9 @@ pub struct AntialiasingInfo {
     pub stores: &'static str,
     /// Whether all frames of a run show one moment.
     pub time_stands_still: bool,
+    /// Frames after which a history that begins anew shows what an older one does, to about 55 dB where much
+    /// moves; 0 where a frame owes nothing to those before it, or everything since the first.
+    pub warm_up_frames: u32,
     /// Keys that it takes on the command line.
     pub parameters: &'static [ParameterInfo],
     /// Constants of its shader, beside its parameters and what all shaders have.

@@ -28,6 +28,8 @@ use crate::{
 #[derive(Clone, Debug)]
 pub struct Animator {
     camera: Camera,
+    /// A pose of the caller's, which takes the camera's place.
+    own_pose: Option<CameraPose>,
     /// Instances that move or change their opacity and whose triangles are stored, in the order of these.
     moving: Vec<u32>,
     first_particle_id: u32,
@@ -88,7 +90,7 @@ impl Animator {
             is_still: true,
         };
         let first_particle_id = parts.instances.iter().map(|instance| instance.id + 1).max().unwrap_or(0);
-        let mut animator = Self { camera, moving, first_particle_id, frame };
+        let mut animator = Self { camera, own_pose: None, moving, first_particle_id, frame };
         let pose = NodePose::at(parts, 0.0);
         for index in still {
             animator.emit_instance(&pose, index);
@@ -114,12 +116,22 @@ impl Animator {
         &self.frame
     }
 
+    /// From the next [`Self::advance`] on, the scene is seen from this pose, and no longer from its camera,
+    /// until another is given: for cameras that a user moves. Motion vectors point to the pose of the frame
+    /// before, whichever it was.
+    pub fn look_from(&mut self, pose: CameraPose) {
+        self.own_pose = Some(pose);
+    }
+
     /// Moves to a time; motion vectors will point to where things were at `previous_secs`.
     pub fn advance(&mut self, time_secs: f32, previous_secs: f32) -> &Frame {
         let scene = Arc::clone(&self.frame.scene);
         self.frame.time_secs = time_secs;
-        self.frame.camera = camera_pose(scene.parts(), &self.camera, time_secs);
-        self.frame.previous_camera = camera_pose(scene.parts(), &self.camera, previous_secs);
+        let pose_at = |time_secs| camera_pose(scene.parts(), &self.camera, time_secs);
+        (self.frame.camera, self.frame.previous_camera) = match self.own_pose {
+            Some(pose) => (pose, self.frame.camera),
+            None => (pose_at(time_secs), pose_at(previous_secs)),
+        };
 
         // Materials and visibility, which are those of the moment also where things were.
         self.frame.properties = Properties::at(scene.parts(), time_secs);
