@@ -16,6 +16,8 @@ use crate::{
     workspace::{call, release_binary, root},
 };
 
+/// What the pictures and tables of the README are asked for by.
+const README: &str = "readme";
 const BEGIN: &str = "<!-- results:begin -->";
 const END: &str = "<!-- results:end -->";
 /// Turns of 1 thread and all threads, one after the other, so that a drifting machine meets both.
@@ -24,8 +26,8 @@ const SCALING_ROUNDS: usize = 5;
 /// Measure the claims.
 #[derive(Args)]
 pub(crate) struct Results {
-    /// Experiments to make again, all if none is given; with a name, the other sections, the pictures and the
-    /// README stay as they are.
+    /// Experiments to make again, or `readme` for its pictures and tables; all if none is given. The rest stays
+    /// as it is.
     names: Vec<String>,
     /// Keep what this commit has measured already: goes on where a run was interrupted.
     #[arg(long)]
@@ -49,11 +51,15 @@ impl Results {
     pub(crate) fn run(&self) -> anyhow::Result<()> {
         call("cargo", &["build", "--release", "--package", "sheer", "--locked"])?;
         self.experiments()?;
-        if !self.names.is_empty() {
-            return Ok(());
+        if self.is_wanted(README) {
+            pictures()?;
+            readme()?;
         }
-        pictures()?;
-        readme()
+        Ok(())
+    }
+
+    fn is_wanted(&self, name: &str) -> bool {
+        self.names.is_empty() || self.names.iter().any(|wanted| wanted == name)
     }
 
     /// Makes docs/results.md and the pictures and charts that it shows, a section after the other, so that an
@@ -61,13 +67,11 @@ impl Results {
     fn experiments(&self) -> anyhow::Result<()> {
         let listing = sheer(&["experiments", "--list"])?;
         let known = listing.lines().map(Listed::new).collect::<anyhow::Result<Vec<_>>>()?;
-        for name in &self.names {
+        for name in self.names.iter().filter(|name| *name != README) {
             ensure!(known.iter().any(|experiment| experiment.id == name), "there is no experiment '{name}'");
         }
-        for experiment in &known {
-            if self.names.is_empty() || self.names.iter().any(|name| name == experiment.id) {
-                self.section(experiment, &known)?;
-            }
+        for experiment in known.iter().filter(|experiment| self.is_wanted(experiment.id)) {
+            self.section(experiment, &known)?;
         }
         Ok(())
     }
