@@ -6,7 +6,7 @@ use std::{
     str::FromStr,
 };
 
-use clap::{Args, Parser, Subcommand, builder::RangedU64ValueParser, value_parser};
+use clap::{Args, Parser, Subcommand, ValueEnum, builder::RangedU64ValueParser, value_parser};
 use glam::Vec3;
 use sheer_core::{
     colour::linear_from_srgb,
@@ -53,6 +53,8 @@ pub(crate) enum Command {
     Render(RenderArguments),
     /// Compare methods with the exact answer: a table, a page and figures for programs.
     Compare(CompareArguments),
+    /// Hold pictures from anywhere against a reference: SSIM, PSNR, FLIP, RMS, bias.
+    Metrics(MetricsArguments),
     /// Measure what methods cost.
     Bench(BenchArguments),
     /// Measure what a method shows of ten opacities and fit the correction for it.
@@ -117,6 +119,21 @@ pub(crate) struct RenderArguments {
     /// first frame.
     #[arg(long)]
     pub(crate) raw: bool,
+    /// Final frames: each is the mean of so many jittered samples of its own moment, while the clip plays, and
+    /// owes nothing to those before it. In place of -a; one picture shows the first frame.
+    #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..=MOST_SAMPLES), conflicts_with_all = ["antialiasing", "raw"])]
+    pub(crate) samples: Option<u32>,
+    /// Motion blur of --samples: the share of the time from frame to frame that the shutter is open, around
+    /// the frame's moment; 0.5 is usual for film.
+    #[arg(long, value_name = "X", default_value_t = 0.0, value_parser = shutter, requires = "samples")]
+    pub(crate) shutter: f32,
+    /// Leave out frames of a sequence whose files are there.
+    #[arg(long)]
+    pub(crate) skip_existing: bool,
+    /// Under taa and layered, frames that are rendered before the first one and not written, so that a part
+    /// of a sequence fits to the others; none before frame 0 [default, of a sequence: taa 40, layered 72].
+    #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(0..=i64::from(MOST_FRAMES)))]
+    pub(crate) warm_up: Option<u32>,
     #[command(flatten)]
     pub(crate) frames: FrameArguments,
     #[command(flatten)]
@@ -151,6 +168,8 @@ pub(crate) struct CompareArguments {
     #[arg(short, long, value_name = "DIR", default_value = output::FOLDER)]
     pub(crate) output: PathBuf,
     #[command(flatten)]
+    pub(crate) data: DataArguments,
+    #[command(flatten)]
     pub(crate) frames: FrameArguments,
     #[command(flatten)]
     pub(crate) light: LightArguments,
@@ -158,6 +177,50 @@ pub(crate) struct CompareArguments {
     pub(crate) backend: BackendArguments,
     #[command(flatten)]
     pub(crate) machine: MachineArguments,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct MetricsArguments {
+    /// What the pictures are held against: a .png, .jpg or .webp file, shown as it is, an .exr or .hdr file of
+    /// linear light, or a clip: a folder of them, or a name with `####` or `%04d` for the number.
+    #[arg(value_name = "REFERENCE")]
+    pub(crate) reference: String,
+    /// Pictures of the same size, or clips of as many, each as PATH or NAME=PATH.
+    #[arg(value_name = "PICTURE", required = true)]
+    pub(crate) pictures: Vec<String>,
+    /// Folder for a page with slider and error maps, and the pictures as PNG.
+    #[arg(long, value_name = "DIR")]
+    pub(crate) html: Option<PathBuf>,
+    /// File for the figures in JSON, - for stdout in place of the table.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) json: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) data: DataArguments,
+    /// Judge with ColorVideoVDP as well, in just-objectionable differences.
+    #[arg(long)]
+    pub(crate) vdp: bool,
+    /// Frames a second at which --vdp sees a clip.
+    #[arg(long, value_name = "N", default_value_t = 30.0, value_parser = frame_rate)]
+    pub(crate) fps: f32,
+    /// Tone curve of pictures in linear light, as for `sheer render`.
+    #[arg(long, value_name = "CURVE", default_value = ToneCurve::default().word(), value_parser = tone_curve)]
+    pub(crate) tone: ToneCurve,
+    /// Stops by which pictures in linear light are made brighter before the tone curve.
+    #[arg(long, value_name = "EV", default_value_t = 0.0, value_parser = exposure, allow_negative_numbers = true)]
+    pub(crate) exposure: f32,
+    #[command(flatten)]
+    pub(crate) machine: MachineArguments,
+}
+
+/// The table of figures in files.
+#[derive(Args, Debug)]
+pub(crate) struct DataArguments {
+    /// File for the table as comma-separated values with all digits, - for stdout in place of the table.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) csv: Option<PathBuf>,
+    /// File for the table in LaTeX (booktabs), - for stdout in place of the table.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) latex: Option<PathBuf>,
 }
 
 #[derive(Args, Debug)]
@@ -177,6 +240,8 @@ pub(crate) struct BenchArguments {
     /// File for a page with table and chart.
     #[arg(long, value_name = "FILE")]
     pub(crate) html: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) data: DataArguments,
     #[command(flatten)]
     pub(crate) frames: FrameArguments,
     #[command(flatten)]
@@ -280,6 +345,8 @@ pub(crate) struct SceneArguments {
     /// static, path, orbit or the name of one of the scene's cameras; the scene's first if not given.
     #[arg(long, value_name = "NAME", value_parser = camera)]
     pub(crate) camera: Option<CameraChoice>,
+    #[command(flatten)]
+    pub(crate) view: ViewArguments,
     /// Set the opacity of every material, 0 to 1.
     #[arg(long, value_name = "A", value_parser = unit)]
     pub(crate) alpha: Option<f32>,
@@ -300,12 +367,34 @@ impl SceneArguments {
         Self {
             text: text.to_owned(),
             camera: None,
+            view: ViewArguments::default(),
             alpha: None,
             environment: EnvironmentChoice::Scene,
             environment_strength: 1.0,
             load: LoadArguments::default(),
         }
     }
+}
+
+/// Where the scene is seen from, where no camera of its own will do.
+#[derive(Args, Clone, Debug, Default)]
+pub(crate) struct ViewArguments {
+    /// Look from this point, world units, instead of through a camera; `sheer inspect` tells the views that
+    /// there are in this form.
+    #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true, conflicts_with = "camera")]
+    pub(crate) eye: Option<Vec3>,
+    /// The point that is looked at; the middle of the scene if not given.
+    #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true, requires = "eye")]
+    pub(crate) target: Option<Vec3>,
+    /// What is up in the picture: 0,1,0 if not given.
+    #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true, requires = "eye")]
+    pub(crate) up: Option<Vec3>,
+    /// Height of the view in degrees; that of the camera if not given.
+    #[arg(long, value_name = "DEGREES", value_parser = field_of_view, conflicts_with = "ortho")]
+    pub(crate) fov: Option<f32>,
+    /// Height of the view in world units, of parallel rays.
+    #[arg(long, value_name = "HEIGHT", value_parser = view_height)]
+    pub(crate) ortho: Option<f32>,
 }
 
 /// How a scene file is read.
@@ -335,12 +424,15 @@ pub(crate) struct LoadArguments {
 pub(crate) struct FrameArguments {
     #[arg(long, value_name = "WxH", help = format!("Width and height in pixels [default: {DEFAULT_SIZE}; compare: {COMPARE_SIZE}]"))]
     pub(crate) size: Option<Size>,
-    /// How many frames.
-    #[arg(long, value_name = "N", default_value_t = 32, value_parser = value_parser!(u32).range(1..=1_000_000))]
-    pub(crate) frames: u32,
-    /// Index of the first frame; there are 30 a second.
-    #[arg(long, value_name = "I", default_value_t = 0, value_parser = value_parser!(u32).range(..=1_000_000_000))]
-    pub(crate) first_frame: u32,
+    /// How many frames, or which: 24..48 are those from 24 up to 47, 24..=47 the same.
+    #[arg(long, value_name = "N|A..B", default_value = "32")]
+    pub(crate) frames: FrameSpan,
+    /// Index of the first frame, where --frames does not name it [default: 0].
+    #[arg(long, value_name = "I", value_parser = value_parser!(u32).range(..=i64::from(LAST_FRAME)))]
+    pub(crate) first_frame: Option<u32>,
+    /// Frames a second.
+    #[arg(long, value_name = "N", default_value_t = 30.0, value_parser = frame_rate)]
+    pub(crate) fps: f32,
     /// Time of frame 0 in seconds.
     #[arg(long, value_name = "SECS", default_value_t = 0.0, value_parser = seconds, allow_negative_numbers = true)]
     pub(crate) time: f32,
@@ -395,6 +487,22 @@ pub(crate) struct MachineArguments {
     /// Say nothing but errors.
     #[arg(short, long)]
     pub(crate) quiet: bool,
+    /// How to tell how far it is: bar, on a terminal; json and openjd (Open Job Description) print a line for
+    /// each per cent on stdout.
+    #[arg(long, value_name = "FORM", value_enum, default_value_t, hide_possible_values = true)]
+    pub(crate) progress: ProgressForm,
+}
+
+/// How progress is told (`--progress`).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(crate) enum ProgressForm {
+    /// A bar on a terminal, nothing elsewhere.
+    #[default]
+    Bar,
+    /// `{"percent":25,"done":3,"expected":12}`
+    Json,
+    /// `openjd_progress: 25`, as Open Job Description has it.
+    Openjd,
 }
 
 /// What shines from all around (`--environment`).
@@ -458,6 +566,47 @@ impl FromStr for Size {
         text.split_once('x')
             .and_then(|(width, height)| Some(Self([side(width)?, side(height)?])))
             .ok_or_else(|| format!("give WIDTHxHEIGHT as in 960x540, each from 1 to {LONGEST_SIDE_PX}"))
+    }
+}
+
+/// Which frames of a run (`--frames`).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum FrameSpan {
+    /// So many.
+    Count(u32),
+    /// From the first one so many.
+    From(u32, u32),
+}
+
+/// Frames of a run.
+const MOST_FRAMES: u32 = 1_000_000;
+/// Samples of a frame.
+const MOST_SAMPLES: i64 = 65_536;
+/// Index of a frame.
+const LAST_FRAME: u32 = 1_000_000_000;
+
+impl FromStr for FrameSpan {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let span = match text.split_once("..") {
+            None => text.parse().ok().map(Self::Count),
+            Some((first, end)) => first.parse().ok().and_then(|first| {
+                let end: u32 = match end.strip_prefix('=') {
+                    Some(last) => last.parse::<u32>().ok()?.checked_add(1)?,
+                    None => end.parse().ok()?,
+                };
+                Some(Self::From(first, end.checked_sub(first)?))
+            }),
+        };
+        let is_sound = |&span: &Self| {
+            let (Self::Count(count) | Self::From(_, count)) = span;
+            let first = if let Self::From(first, _) = span { first } else { 0 };
+            (1..=MOST_FRAMES).contains(&count) && first <= LAST_FRAME
+        };
+        span.filter(is_sound).ok_or_else(|| {
+            format!("give a number of frames from 1 to {MOST_FRAMES}, or a range of them as 24..48, which ends with 47")
+        })
     }
 }
 
@@ -525,6 +674,33 @@ fn method(text: &str) -> Result<Method, String> {
 fn unit(text: &str) -> Result<f32, String> {
     let value = text.parse().ok().filter(|value| (0.0..=1.0).contains(value));
     value.ok_or_else(|| "give a number from 0 to 1".to_owned())
+}
+
+fn vector(text: &str) -> Result<Vec3, String> {
+    let numbers: Option<Vec<f32>> = text.split(',').map(|number| number.trim().parse().ok()).collect();
+    let numbers = numbers.filter(|numbers| numbers.iter().all(|number| number.is_finite()));
+    let vector = numbers.and_then(|numbers| <[f32; 3]>::try_from(numbers).ok());
+    vector.map(Vec3::from).ok_or_else(|| "give three numbers as in 0,1.5,-2".to_owned())
+}
+
+fn field_of_view(text: &str) -> Result<f32, String> {
+    let value = text.parse().ok().filter(|value| (0.001..=179.0).contains(value));
+    value.ok_or_else(|| "give degrees from 0.001 to 179".to_owned())
+}
+
+fn view_height(text: &str) -> Result<f32, String> {
+    let value = text.parse().ok().filter(|value: &f32| value.is_normal() && *value > 0.0);
+    value.ok_or_else(|| "give a height above 0".to_owned())
+}
+
+fn shutter(text: &str) -> Result<f32, String> {
+    let value = text.parse().ok().filter(|value| (0.0..=1.0).contains(value));
+    value.ok_or_else(|| "give a share of the time between frames from 0 to 1".to_owned())
+}
+
+fn frame_rate(text: &str) -> Result<f32, String> {
+    let value = text.parse().ok().filter(|value| (0.01..=10_000.0).contains(value));
+    value.ok_or_else(|| "give frames a second from 0.01 to 10000".to_owned())
 }
 
 fn environment(text: &str) -> Result<EnvironmentChoice, String> {

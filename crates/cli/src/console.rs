@@ -1,6 +1,8 @@
-//! What is said to people on stderr: notes, warnings, progress. Machine output goes to stdout (`output`).
+//! What is said to people on stderr: notes, warnings, progress. Machine output goes to stdout (`output`), and
+//! so does progress that a render farm listens for.
 
 use std::{
+    cell::Cell,
     fmt::Display,
     io::{self, Write as _},
     time::Duration,
@@ -10,11 +12,15 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use sheer_core::text::printable;
 use sheer_lab::Progress;
 
+use crate::args::ProgressForm;
+
 /// Talks to whoever runs the program, or does not.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Console {
     /// Says nothing but errors, which go another way (`failure`).
     pub(crate) quiet: bool,
+    /// How it tells how far something is.
+    pub(crate) progress: ProgressForm,
 }
 
 impl Console {
@@ -48,11 +54,12 @@ impl Console {
 
     fn show(self, length: Option<u64>, template: &str) -> Bar {
         // indicatif draws nothing where stderr is not a terminal.
-        let target = if self.quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
+        let is_drawn = !self.quiet && self.progress == ProgressForm::Bar;
+        let target = if is_drawn { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
         let style = ProgressStyle::with_template(template).expect("the template names known fields");
         let bar = ProgressBar::with_draw_target(length, target).with_style(style.progress_chars("━╸ "));
         bar.enable_steady_tick(Duration::from_millis(500));
-        Bar { console: self, bar }
+        Bar { console: self, bar, told_percent: Cell::new(None) }
     }
 }
 
@@ -61,6 +68,27 @@ impl Console {
 pub(crate) struct Bar {
     console: Console,
     bar: ProgressBar,
+    /// What was said last in lines.
+    told_percent: Cell<Option<u64>>,
+}
+
+impl Bar {
+    /// A line for programs, with every per cent that is new.
+    fn tell(&self) {
+        let (Some(expected @ 1..), done) = (self.bar.length(), self.bar.position()) else { return };
+        let percent = 100 * done / expected;
+        if self.told_percent.replace(Some(percent)) == Some(percent) {
+            return;
+        }
+        // Whoever has stopped listening is no reason to stop rendering.
+        let _ = match self.console.progress {
+            ProgressForm::Bar => Ok(()),
+            ProgressForm::Json => {
+                writeln!(io::stdout(), r#"{{"percent":{percent},"done":{done},"expected":{expected}}}"#)
+            }
+            ProgressForm::Openjd => writeln!(io::stdout(), "openjd_progress: {percent}"),
+        };
+    }
 }
 
 impl Progress for Bar {
@@ -77,6 +105,7 @@ impl Progress for Bar {
 
     fn step(&self) {
         self.bar.inc(1);
+        self.tell();
     }
 
     fn note(&self, text: &str) {

@@ -15,9 +15,11 @@ mod command;
 mod console;
 mod failure;
 mod graphics;
+mod input;
 mod memory;
 mod output;
 mod report;
+mod schedule;
 mod setup;
 mod version;
 
@@ -46,6 +48,7 @@ fn run(command: &Command) -> anyhow::Result<()> {
         Command::Inspect(arguments) => command::inspect::run(arguments),
         Command::Render(arguments) => command::render::run(arguments),
         Command::Compare(arguments) => command::compare::run(arguments),
+        Command::Metrics(arguments) => command::metrics::run(arguments),
         Command::Bench(arguments) => command::bench::run(arguments),
         Command::Calibrate(arguments) => command::calibrate::run(arguments),
         Command::Experiments(arguments) => command::experiments::run(arguments),

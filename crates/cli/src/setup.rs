@@ -3,17 +3,18 @@
 use std::{env, path::Path, sync::Arc};
 
 use anyhow::Context as _;
+use glam::Vec3;
 use rayon::ThreadPoolBuilder;
 use sheer_core::parameter::Choice as _;
 use sheer_image::{Metadata, TextureLimits, Tone, read_panorama};
 use sheer_lab::file_name_from;
 use sheer_render::{Antialiasing, Backend, Method, RenderError, Settings, Shadow};
-use sheer_scene::{CameraChoice, Environment, LoadOptions, Scene};
+use sheer_scene::{Camera, CameraChoice, CameraPose, Environment, Lens, LoadOptions, Scene};
 
 use crate::{
     args::{
-        EnvironmentChoice, FrameArguments, LightArguments, LoadArguments, MOST_THREADS, MachineArguments,
-        SceneArguments, Size,
+        EnvironmentChoice, FrameArguments, FrameSpan, LightArguments, LoadArguments, MOST_THREADS,
+        MachineArguments, SceneArguments, Size, ViewArguments,
     },
     console::Console,
     failure::Misuse,
@@ -44,23 +45,41 @@ impl MachineArguments {
         memory::limit(self.memory_limit);
         let pool = ThreadPoolBuilder::new().num_threads(self.threads.unwrap_or(0));
         pool.build_global().map_err(RenderError::from)?;
-        Ok(Console { quiet: self.quiet })
+        Ok(Console { quiet: self.quiet, progress: self.progress })
     }
 }
 
 impl FrameArguments {
     /// The library's settings; `default_size` where the user named none.
-    pub(crate) fn settings(&self, default_size: Size) -> Settings {
-        Settings {
+    ///
+    /// # Errors
+    /// The first frame is given twice.
+    pub(crate) fn settings(&self, default_size: Size) -> anyhow::Result<Settings> {
+        let first_frame = match (self.frames, self.first_frame) {
+            (FrameSpan::From(..), Some(_)) => {
+                let problem = "--frames names the first frame already: leave out --first-frame, or give --frames a number";
+                return Err(Misuse(problem.to_owned()).into());
+            }
+            (FrameSpan::From(first, _), None) => first,
+            (FrameSpan::Count(_), first) => first.unwrap_or(0),
+        };
+        Ok(Settings {
             size: self.size.unwrap_or(default_size).0,
             seed: self.seed,
             background: self.background,
             shadow: Shadow::default(),
             start_secs: self.time,
-            first_frame: self.first_frame,
+            first_frame,
+            frames_per_sec: self.fps,
             raw: false,
             tone: Tone::default(),
-        }
+        })
+    }
+
+    /// How many frames.
+    pub(crate) fn count(&self) -> u32 {
+        let (FrameSpan::Count(count) | FrameSpan::From(_, count)) = self.frames;
+        count
     }
 }
 
@@ -140,11 +159,64 @@ impl SceneArguments {
         console: Console,
     ) -> anyhow::Result<Opened<B::Stage>> {
         let scene = self.load(size, console)?;
-        let camera = self.camera.clone().unwrap_or_default();
+        let camera = self.view.camera(self.camera.clone().unwrap_or_default(), &scene)?;
         let stage = backend
             .stage(Arc::clone(&scene), &camera, machine.threads)
             .with_context(|| format!("cannot set up {}", self.text))?;
         Ok(Opened { stage, scene })
+    }
+}
+
+impl ViewArguments {
+    /// The scene's camera of choice, or what these arguments make of it.
+    ///
+    /// # Errors
+    /// The scene has no such camera, or it is to look at where it is.
+    fn camera(&self, choice: CameraChoice, scene: &Scene) -> anyhow::Result<CameraChoice> {
+        let lens = match (self.fov, self.ortho) {
+            (Some(degrees), _) => Some(Lens::Perspective { yfov_rad: degrees.to_radians() }),
+            (None, Some(height)) => Some(Lens::Orthographic { half_height: 0.5 * height }),
+            (None, None) => None,
+        };
+        if self.eye.is_none() && lens.is_none() {
+            return Ok(choice);
+        }
+        let camera = scene.camera(&choice)?;
+        let lens = lens.unwrap_or(camera.lens);
+        // Under a name of its own no animation of a lens applies to it.
+        let name = "own".to_owned();
+        let Some(eye) = self.eye else {
+            return Ok(CameraChoice::Own(Camera { name, lens, ..camera }));
+        };
+        let target = self.target.unwrap_or_else(|| scene.bounding_sphere().0);
+        if eye == target {
+            let problem = "--eye and --target are the same point: there is no direction to look in";
+            return Err(Misuse(problem.to_owned()).into());
+        }
+        let up = self.up.unwrap_or(Vec3::Y);
+        Ok(CameraChoice::Own(Camera::still(&name, CameraPose::looking_at_with_up(lens, eye, target, up))))
+    }
+
+    /// As it was typed; empty where nothing was.
+    fn typed(&self) -> String {
+        let vectors = [("eye", self.eye), ("target", self.target), ("up", self.up)];
+        let vectors = vectors.map(|(key, value)| value.map(|Vec3 { x, y, z }| format!("{key}={x},{y},{z}")));
+        let numbers = [("fov", self.fov), ("ortho", self.ortho)];
+        let numbers = numbers.map(|(key, value)| value.map(|value| format!("{key}={value}")));
+        vectors.into_iter().chain(numbers).flatten().collect::<Vec<_>>().join(" ")
+    }
+}
+
+impl SceneArguments {
+    /// The view as reports name it: `default`, `orbit`, a camera's name, or what else was asked for.
+    fn view_name(&self) -> String {
+        let camera = match &self.camera {
+            None if self.view.eye.is_some() => "",
+            None | Some(CameraChoice::Default | CameraChoice::Own(_)) => "default",
+            Some(CameraChoice::Orbit) => "orbit",
+            Some(CameraChoice::Named(name)) => name,
+        };
+        format!("{camera} {}", self.view.typed()).trim().to_owned()
     }
 }
 
@@ -158,6 +230,7 @@ pub(crate) fn metadata(
 ) -> Metadata {
     Metadata::default()
         .with("scene", &scene.text)
+        .with("camera", scene.view_name())
         .with("environment", &scene.environment)
         .with("environment_strength", scene.environment_strength)
         .with("method", method)
@@ -196,15 +269,10 @@ fn describe_scene(
     settings: &Settings,
     frames: u32,
 ) -> Run {
-    let camera = match &scene.camera {
-        None | Some(CameraChoice::Default) => "default",
-        Some(CameraChoice::Orbit) => "orbit",
-        Some(CameraChoice::Named(name)) => name,
-    };
     Run {
         scene: scene.text.clone(),
         scene_hash,
-        camera: camera.to_owned(),
+        camera: scene.view_name(),
         alpha: scene.alpha,
         size: settings.size,
         frames,

@@ -62,7 +62,8 @@ pub fn decode_panorama(
     Ok(texels)
 }
 
-fn hdr(bytes: &[u8], what: &str, limits: TextureLimits) -> Result<Image<[f32; 3]>, ImageError> {
+/// Reads a Radiance HDR file of any shape, linear.
+pub(crate) fn hdr(bytes: &[u8], what: &str, limits: TextureLimits) -> Result<Image<[f32; 3]>, ImageError> {
     let failed = |error: image::ImageError| ImageError::Decode {
         what: what.to_owned(),
         reason: error.to_string(),

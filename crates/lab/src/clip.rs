@@ -1,15 +1,14 @@
 //! Methods that play the same clip and are held against the exact answer.
 
 use sheer_image::{DisplayShare, Image, display};
-use sheer_metrics::{
-    Flicker, Ghosting, TemporalPsnr, bias, error_map, flip, psnr_db, rms, ssim, video_vdp_jod,
-};
+use sheer_metrics::{Ghosting, error_map, video_vdp_jod};
 use sheer_render::{Antialiasing, Backend, Clock, Method, Settings};
 
 use crate::{
     LabError, Measured, Progress, REFERENCE, Result, Tally, Timeline, Truth,
     measured::AgainstTruth,
     play::{Event, pipelines, play},
+    quality::Quality,
     shown::Shown,
 };
 
@@ -51,52 +50,6 @@ struct Record {
     ghosting: Ghosting<3>,
     /// The last half of the frames as a display shows them, where they are kept.
     shown: Vec<Image<[u8; 3]>>,
-}
-
-/// Sums over frames.
-#[derive(Default)]
-struct Quality {
-    frames: u32,
-    ssim: f64,
-    psnr_db: f64,
-    /// Those that equal the reference: their PSNR is infinite.
-    equal_frames: u32,
-    flip: f64,
-    bias: f64,
-    rms: f64,
-    flicker: Flicker<3>,
-    tpsnr: TemporalPsnr<3>,
-}
-
-impl Quality {
-    fn add(&mut self, reference: &Shown, shown: &Shown) -> Result<()> {
-        self.frames += 1;
-        self.ssim += ssim(&reference.displayed, &shown.displayed)?;
-        match psnr_db(&reference.displayed, &shown.displayed)? {
-            f64::INFINITY => self.equal_frames += 1,
-            psnr_db => self.psnr_db += psnr_db,
-        }
-        self.flip += flip(&reference.displayed, &shown.displayed)?;
-        self.bias += bias(&reference.linear, &shown.linear)?;
-        self.rms += rms(&reference.linear, &shown.linear)?;
-        self.flicker.add(&reference.displayed, &shown.displayed)?;
-        self.tpsnr.add(&reference.displayed, &shown.displayed)?;
-        Ok(())
-    }
-
-    fn mean(&self, sum: f64) -> f64 {
-        sum / f64::from(self.frames)
-    }
-
-    /// The mean of the frames that differ from the reference; none where all equal it.
-    fn psnr_db(&self) -> Option<f64> {
-        let different = self.frames - self.equal_frames;
-        (different > 0).then(|| self.psnr_db / f64::from(different))
-    }
-
-    fn tpsnr_db(&self) -> Option<f64> {
-        self.tpsnr.value_db().filter(|tpsnr_db| tpsnr_db.is_finite())
-    }
 }
 
 /// What the last frame of a clip and, where frames are kept, the clip as a whole are held against.
@@ -268,15 +221,15 @@ impl Clip {
     fn against_truth(&self, truth: &Judge<'_>, record: &Record, last: &Shown) -> Result<AgainstTruth> {
         let quality = &record.against_truth;
         Ok(AgainstTruth {
-            ssim: quality.mean(quality.ssim),
+            ssim: quality.ssim(),
             psnr_db: quality.psnr_db(),
             tpsnr_db: quality.tpsnr_db(),
             vdp_jod: self.vdp_jod(truth, record)?,
-            flip: quality.mean(quality.flip),
-            flicker: quality.flicker.value(),
+            flip: quality.flip(),
+            flicker: quality.flicker(),
             ghosting: record.ghosting.value(),
-            bias: quality.mean(quality.bias),
-            rms: quality.mean(quality.rms),
+            bias: quality.bias(),
+            rms: quality.rms(),
             error_map: truth.error_map(last)?,
         })
     }
@@ -300,14 +253,14 @@ impl Clip {
             ms_median: tally.ms(0.5),
             ms_min: tally.ms(0.0),
             ms_max: tally.ms(1.0),
-            ssim: quality.mean(quality.ssim),
+            ssim: quality.ssim(),
             psnr_db: quality.psnr_db(),
             tpsnr_db: quality.tpsnr_db(),
             vdp_jod: None,
-            flip: quality.mean(quality.flip),
-            flicker: quality.flicker.value(),
-            bias: quality.mean(quality.bias),
-            rms: quality.mean(quality.rms),
+            flip: quality.flip(),
+            flicker: quality.flicker(),
+            bias: quality.bias(),
+            rms: quality.rms(),
             against_truth: None,
             shaded_per_pixel: tally.shaded() / pixels,
             hits_per_pixel,

@@ -98,6 +98,17 @@ impl Figures {
         self.headings.iter().map(|heading| heading.title)
     }
 
+    /// Whether a column has figures, by its place.
+    #[must_use]
+    pub fn is_number(&self, column: usize) -> bool {
+        self.headings.get(column).is_some_and(|heading| heading.is_number)
+    }
+
+    /// Texts and figures of the cells, row by row: a figure with all its digits where there is one.
+    pub fn cells(&self) -> impl Iterator<Item = impl Iterator<Item = (&str, Option<f64>)>> {
+        self.rows.iter().map(|row| row.iter().map(|cell| (cell.text.as_str(), cell.value)))
+    }
+
     /// The texts of the cells, row by row.
     pub fn rows(&self) -> impl Iterator<Item = impl Iterator<Item = &str>> {
         self.rows.iter().map(|row| row.iter().map(|cell| cell.text.as_str()))

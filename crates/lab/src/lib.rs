@@ -1,6 +1,8 @@
 //! The laboratory: plays clips, compares methods, verifies what papers and methods promise, makes the papers'
 //! experiments again, calibrates.
 //!
+//! Pictures from elsewhere are judged by the same figures ([`Judging`]).
+//!
 //! What is measured comes out as plain data: numbers, tables, plots, pictures. How they are written, and
 //! which backend renders, is up to the program: everything here works on any
 //! [`Backend`](sheer_render::Backend), but for the promises of [`verify`], which are the CPU's.
@@ -29,12 +31,15 @@ mod clip;
 mod cost;
 mod error;
 pub mod experiments;
+mod exposure;
 mod figures;
 mod file_name;
 mod measured;
+mod pictures;
 mod play;
 pub mod plot;
 mod progress;
+mod quality;
 mod reference;
 mod shown;
 mod tally;
@@ -45,9 +50,11 @@ pub use crate::{
     clip::{Clip, ERROR_FULL_SCALE, with_reference},
     cost::measure_cost,
     error::{LabError, Result},
+    exposure::Exposure,
     figures::{Column, Datum, Figures, Name, number},
     file_name::file_name_from,
     measured::{AgainstTruth, Measured, figures, selected_figures},
+    pictures::{Judged, Judging, picture_figures},
     play::{Event, Timeline, picture, play},
     progress::{Progress, Silent},
     reference::{REFERENCE, Reference},

@@ -2,14 +2,12 @@
 
 use crate::{settings::Settings, stage::Moment, temporal::Antialiasing};
 
-/// Frames a second of an animated run.
-const FRAMES_PER_SEC: f32 = 30.0;
-
 /// Maps frame indices to time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Clock {
     start_secs: f32,
     first_frame: u32,
+    frames_per_sec: f32,
     stands: bool,
 }
 
@@ -20,6 +18,7 @@ impl Clock {
         Self {
             start_secs: settings.start_secs,
             first_frame: settings.first_frame,
+            frames_per_sec: settings.frames_per_sec,
             stands: antialiasing.info().time_stands_still,
         }
     }
@@ -28,7 +27,7 @@ impl Clock {
     /// run's frames do.
     #[must_use]
     pub fn at(&self, index: u32) -> Moment {
-        let time_of = |index: u32| self.start_secs + index as f32 / FRAMES_PER_SEC;
+        let time_of = |index: u32| self.start_secs + index as f32 / self.frames_per_sec;
         if self.stands {
             let time_secs = time_of(self.first_frame);
             return Moment { time_secs, previous_secs: time_secs };

@@ -32,6 +32,8 @@ pub struct Settings {
     pub start_secs: f32,
     /// Index of the first frame.
     pub first_frame: u32,
+    /// How many frames a second has where time passes; above 0.
+    pub frames_per_sec: f32,
     /// Whether frames stay as they were rendered: jittered as the anti-aliasing wants them, with their pixels
     /// split into layers, and not added up.
     pub raw: bool,
@@ -48,6 +50,7 @@ impl Default for Settings {
             shadow: Shadow::default(),
             start_secs: 0.0,
             first_frame: 0,
+            frames_per_sec: 30.0,
             raw: false,
             tone: Tone::default(),
         }

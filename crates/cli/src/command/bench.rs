@@ -9,6 +9,7 @@ use crate::{
     output::{self, TextOutput},
     report::{
         benchmark::{figures, passes},
+        data_files::DataFiles,
         json::{self, Benchmark, BenchmarkRow},
         page,
         table::Table,
@@ -31,8 +32,9 @@ fn bench<B: Backend>(arguments: &BenchArguments, backend: &B) -> anyhow::Result<
     // What can go wrong goes wrong before the first frame.
     let json = arguments.json.as_deref().map(TextOutput::open).transpose()?;
     let html = arguments.html.as_deref().map(TextOutput::open).transpose()?;
-    let settings = arguments.light.under(arguments.frames.settings(DEFAULT_SIZE));
-    let frame_count = arguments.frames.frames;
+    let data_files = DataFiles::open(&arguments.data)?;
+    let settings = arguments.light.under(arguments.frames.settings(DEFAULT_SIZE)?);
+    let frame_count = arguments.frames.count();
     let methods = without_repeats(&arguments.methods);
     let mut opened = arguments.scene.open(backend, settings.size, arguments.machine, console)?;
     let timeline = Timeline::of(&settings, Antialiasing::NONE, frame_count);
@@ -52,11 +54,13 @@ fn bench<B: Backend>(arguments: &BenchArguments, backend: &B) -> anyhow::Result<
     if let Some(output) = &json {
         output.write(&json::text(&report)?)?;
     }
+    let figures = figures(&report);
+    data_files.write(&figures)?;
     let replaces_table = |output: &Option<TextOutput<'_>>| output.as_ref().is_some_and(TextOutput::is_stdout);
-    if replaces_table(&json) || replaces_table(&html) {
+    if replaces_table(&json) || replaces_table(&html) || data_files.is_stdout() {
         Ok(())
     } else {
         let passes = passes(&report).map(|passes| format!("\n{}", Table::of(&passes).text()));
-        output::print(&(Table::of(&figures(&report)).text() + &passes.unwrap_or_default()))
+        output::print(&(Table::of(&figures).text() + &passes.unwrap_or_default()))
     }
 }

@@ -37,7 +37,7 @@ impl Task for CalibrateArguments {
 fn calibrate<B: Backend>(arguments: &CalibrateArguments, backend: &B) -> anyhow::Result<()> {
     let CalibrateArguments { method, antialiasing, .. } = arguments;
     let console = arguments.machine.apply()?;
-    let settings = arguments.frames.settings(DEFAULT_SIZE);
+    let settings = arguments.frames.settings(DEFAULT_SIZE)?;
     let areas = areas(settings.size)?;
     if settings.background != Background::Environment {
         return Err(Misuse("calibrate measures over black: leave --background out".to_owned()).into());
@@ -49,7 +49,7 @@ fn calibrate<B: Backend>(arguments: &CalibrateArguments, backend: &B) -> anyhow:
     let mut opened = scene.open(backend, settings.size, arguments.machine, console)?;
     let mut pipeline = backend.pipeline(method, *antialiasing, settings)?;
     backend.notes(&pipeline).iter().for_each(|note| console.warn(note));
-    let frames = arguments.frames.frames;
+    let frames = arguments.frames.count();
     let bar = console.bar();
     bar.expect(u64::from(frames));
     let timeline = Timeline::of(&settings, *antialiasing, frames);

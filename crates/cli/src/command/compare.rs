@@ -13,6 +13,7 @@ use crate::{
     failure::Misuse,
     output,
     report::{
+        data_files::DataFiles,
         json::{self, Comparison, ComparisonRow},
         page::{
             self,
@@ -38,13 +39,14 @@ fn compare<B: Backend>(arguments: &CompareArguments, backend: &B) -> anyhow::Res
     // What can go wrong goes wrong before the first frame.
     let folder = arguments.output.as_path();
     output::open_folder(folder)?;
-    let settings = arguments.light.under(arguments.frames.settings(COMPARE_SIZE));
+    let data_files = DataFiles::open(&arguments.data)?;
+    let settings = arguments.light.under(arguments.frames.settings(COMPARE_SIZE)?);
     if arguments.vdp && settings.size.into_iter().any(|side| side < LEAST_VDP_SIDE_PX) {
         let problem =
             format!("--vdp judges pictures from {LEAST_VDP_SIDE_PX} pixels a side up; try a larger --size");
         return Err(Misuse(problem).into());
     }
-    let frame_count = arguments.frames.frames;
+    let frame_count = arguments.frames.count();
     let methods = with_reference(without_repeats(&arguments.methods))?;
     let antialiasings = without_repeats(&arguments.antialiasings);
     let references = without_repeats(&arguments.references);
@@ -96,7 +98,10 @@ fn compare<B: Backend>(arguments: &CompareArguments, backend: &B) -> anyhow::Res
     output::write_file(&folder.join("report.json"), json::text(&report)?.as_bytes())?;
     output::write_file(&folder.join("index.html"), page.as_bytes())?;
     let figures = figures(entries.iter().map(|entry| &entry.measured), true, &references);
-    output::print(&Table::of(&figures).text())?;
+    data_files.write(&figures)?;
+    if !data_files.is_stdout() {
+        output::print(&Table::of(&figures).text())?;
+    }
     console.note(format_args!("wrote {} and report.json beside it", folder.join("index.html").display()));
     Ok(())
 }

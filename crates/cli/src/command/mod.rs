@@ -7,6 +7,7 @@ pub(crate) mod devices;
 pub(crate) mod experiments;
 pub(crate) mod inspect;
 pub(crate) mod methods;
+pub(crate) mod metrics;
 pub(crate) mod render;
 pub(crate) mod scenes;
 pub(crate) mod verify;

@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use glam::Vec3;
 use serde::Serialize;
 use sheer_scene::{
     Camera, CameraChoice, Lens, Loaded, Scene,
@@ -101,6 +102,8 @@ struct CameraAtRest {
     yfov_degrees: Option<f32>,
     /// Of an orthographic camera, world units.
     height: Option<f32>,
+    /// The options of `sheer render` that make this view.
+    options: String,
 }
 
 #[derive(Debug, Serialize)]
@@ -208,7 +211,8 @@ impl Inspection {
         let mut table = Table::new(&["name", "kind", "eye", "target", "up", "field of view"]);
         let view = ("(default view)", &self.view);
         let all = self.cameras.iter().map(|camera| (camera.name.as_str(), camera));
-        for (name, camera) in all.chain(self.cameras.is_empty().then_some(view)) {
+        let all = all.chain(self.cameras.is_empty().then_some(view));
+        for (name, camera) in all.clone() {
             let field = match (camera.yfov_degrees, camera.height) {
                 (Some(degrees), _) => format!("{degrees:.1}° high"),
                 (_, Some(height)) => format!("{height:.4} high"),
@@ -218,6 +222,11 @@ impl Inspection {
             table.add(vec![named(name), camera.kind.to_owned(), eye, target, up, field]);
         }
         add("Cameras (--camera)", table);
+        let mut table = Table::new(&["name", "as options"]);
+        for (name, camera) in all {
+            table.add(vec![named(name), camera.options.clone()]);
+        }
+        add("The same views, to start others from", table);
         if !self.lights.is_empty() {
             let mut table = Table::new(&["name", "kind", "intensity", "position", "direction"]);
             for light in &self.lights {
@@ -389,14 +398,23 @@ impl CameraAtRest {
             Lens::Perspective { yfov_rad } => ("perspective", Some(yfov_rad.to_degrees()), None),
             Lens::Orthographic { half_height } => ("orthographic", None, Some(2.0 * half_height)),
         };
+        let (eye, target) = (pose.eye(), pose.eye() + pose.forward() * ahead);
+        let up = pose.world_from_camera.matrix3.y_axis.into();
+        let list = |Vec3 { x, y, z }: Vec3| format!("{x},{y},{z}");
+        let lens = match (yfov_degrees, height) {
+            (Some(degrees), _) => format!("--fov {degrees}"),
+            (None, height) => format!("--ortho {}", height.unwrap_or_default()),
+        };
+        let options = format!("--eye {} --target {} --up {} {lens}", list(eye), list(target), list(up));
         Self {
             name: camera.name.clone(),
             kind,
-            eye: pose.eye().into(),
-            target: (pose.eye() + pose.forward() * ahead).into(),
-            up: pose.world_from_camera.matrix3.y_axis.into(),
+            eye: eye.into(),
+            target: target.into(),
+            up: up.into(),
             yfov_degrees,
             height,
+            options,
         }
     }
 }

@@ -2,8 +2,12 @@
 //! and `devices` write with `--json`.
 
 use serde::Serialize;
-use sheer_lab::{AgainstTruth, Measured, Reference, Tally, verify::Check};
+use sheer_core::parameter::Choice as _;
+use sheer_image::Tone;
+use sheer_lab::{AgainstTruth, Judged, Measured, Reference, Tally, verify::Check};
 use sheer_render::{Antialiasing, Method};
+
+use crate::version::{COMMIT, VERSION};
 
 /// How figures came about, in front of every report.
 #[derive(Clone, Debug, Serialize)]
@@ -46,6 +50,60 @@ pub(crate) struct Run {
     pub(crate) commit: &'static str,
     /// How many rendered.
     pub(crate) threads: usize,
+}
+
+/// What `sheer metrics` writes with `--json`.
+#[derive(Debug, Serialize)]
+pub(crate) struct JudgedPictures<'a> {
+    /// What the pictures are held against, as it was named.
+    reference: &'a str,
+    /// Width and height, pixels.
+    size: [u32; 2],
+    /// `--tone`, of pictures that were stored in linear light.
+    tone: &'static str,
+    /// `--exposure`, stops, of the same.
+    exposure_ev: f32,
+    /// Of this program.
+    version: &'static str,
+    /// Of this program, or `unknown`.
+    commit: &'static str,
+    rows: Vec<JudgedRow<'a>>,
+}
+
+/// A picture or a clip in comparison with the reference; names and units as in [`ComparisonRow`].
+#[derive(Debug, Serialize)]
+struct JudgedRow<'a> {
+    picture: &'a str,
+    frames: u32,
+    ssim: f64,
+    psnr_db: Option<f64>,
+    tpsnr_db: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    vdp_jod: Option<f64>,
+    flip: f64,
+    /// Null for one frame.
+    flicker: Option<f64>,
+    bias: f64,
+    rms: f64,
+}
+
+impl<'a> JudgedPictures<'a> {
+    pub(crate) fn new(reference: &'a str, size: [u32; 2], tone: &Tone, judged: &'a [Judged]) -> Self {
+        let row = |judged: &'a Judged| {
+            let Judged { frames, ssim, psnr_db, tpsnr_db, vdp_jod, flip, flicker, bias, rms, .. } = *judged;
+            let picture = &judged.name;
+            JudgedRow { picture, frames, ssim, psnr_db, tpsnr_db, vdp_jod, flip, flicker, bias, rms }
+        };
+        Self {
+            reference,
+            size,
+            tone: tone.curve.word(),
+            exposure_ev: tone.exposure_ev,
+            version: VERSION,
+            commit: COMMIT,
+            rows: judged.iter().map(row).collect(),
+        }
+    }
 }
 
 /// `report.json` of `sheer compare`.

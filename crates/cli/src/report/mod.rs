@@ -3,6 +3,7 @@
 pub(crate) mod benchmark;
 pub(crate) mod calibration;
 pub(crate) mod chart;
+pub(crate) mod data_files;
 pub(crate) mod experiments;
 pub(crate) mod inspection;
 pub(crate) mod json;

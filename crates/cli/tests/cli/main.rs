@@ -9,10 +9,12 @@ mod hostile;
 mod inspect;
 mod interruption;
 mod light;
+mod metrics;
 // The browser is talked to over descriptors that a shell hands on.
 #[cfg(unix)]
 mod page;
 mod render;
 mod run;
+mod sequence;
 mod usage;
 mod verify;

@@ -6,10 +6,13 @@ use sheer_lab::{
     Figures, Measured, Reference, figures,
     plot::{Axis, Plot, Series},
 };
-use sheer_metrics::false_colour;
 use sheer_render::{Antialiasing, contract::MethodInfo};
 
-use super::{benchmark::time_chart, data_uri, fill};
+use super::{
+    benchmark::time_chart,
+    data_uri, fill,
+    viewer::{Card, legend},
+};
 use crate::report::{
     chart::Chart,
     json::{Comparison, Run},
@@ -96,17 +99,6 @@ struct Context<'a> {
     explanations: Vec<Explanation>,
     legend: String,
     error_full_scale: f32,
-}
-
-/// An entry as the template wants it.
-#[derive(Serialize)]
-struct Card {
-    id: String,
-    label: String,
-    aa: String,
-    is_reference: bool,
-    picture: String,
-    error: Option<String>,
 }
 
 #[derive(Serialize)]
@@ -228,16 +220,6 @@ fn explanations(page: &Page<'_>) -> Vec<Explanation> {
         }
     }
     explanations
-}
-
-/// The colours of error maps as a CSS gradient.
-fn legend() -> String {
-    const STOPS: u8 = 16;
-    let stops = (0..=STOPS).map(|stop| {
-        let [r, g, b] = false_colour(f32::from(stop) / f32::from(STOPS));
-        format!("#{r:02x}{g:02x}{b:02x}")
-    });
-    format!("linear-gradient(to right, {})", stops.collect::<Vec<_>>().join(", "))
 }
 
 #[cfg(test)]

@@ -15,16 +15,19 @@ pub(crate) mod benchmark;
 pub(crate) mod calibration;
 pub(crate) mod comparison;
 pub(crate) mod experiments;
+pub(crate) mod pictures;
+mod viewer;
 
 /// What all pages have and what they draw with; then the pages. The ending makes the engine escape everything
 /// that is not marked as safe.
-const TEMPLATES: [(&str, &str); 7] = [
+const TEMPLATES: [(&str, &str); 8] = [
     ("base.html", include_str!("base.html")),
     ("parts.html", include_str!("parts.html")),
     ("benchmark.html", include_str!("benchmark.html")),
     ("calibration.html", include_str!("calibration.html")),
     ("comparison.html", include_str!("comparison.html")),
     ("experiments.html", include_str!("experiments.html")),
+    ("pictures.html", include_str!("pictures.html")),
     ("chart.svg.html", include_str!("chart.svg")),
 ];
 

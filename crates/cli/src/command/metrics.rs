@@ -1,0 +1,90 @@
+//! `sheer metrics`: pictures from anywhere, held against a reference.
+
+use std::path::Path;
+
+use sheer_image::{Picture, TextureLimits, Tone, read_picture};
+use sheer_lab::{Judged, Judging, LabError, Progress as _, file_name_from, picture_figures};
+use sheer_metrics::LEAST_VDP_SIDE_PX;
+
+use crate::{
+    args::MetricsArguments,
+    failure::Misuse,
+    input::PictureInput,
+    output::{self, TextOutput},
+    report::{
+        data_files::DataFiles,
+        json::{self, JudgedPictures},
+        page,
+        table::Table,
+    },
+};
+
+pub(crate) fn run(arguments: &MetricsArguments) -> anyhow::Result<()> {
+    // What can go wrong goes wrong before the first picture is read.
+    let console = arguments.machine.apply()?;
+    let data_files = DataFiles::open(&arguments.data)?;
+    let json = arguments.json.as_deref().map(TextOutput::open).transpose()?;
+    if let Some(folder) = &arguments.html {
+        output::open_folder(folder)?;
+    }
+    let reference = PictureInput::find(&arguments.reference)?;
+    let inputs: Vec<PictureInput> =
+        arguments.pictures.iter().map(|text| PictureInput::find(text)).collect::<anyhow::Result<_>>()?;
+    for input in &inputs {
+        let (frames, expected) = (input.frames.len(), reference.frames.len());
+        if frames != expected && expected != 1 {
+            let problem = format!(
+                "{} has {frames} pictures and the reference {expected}: give as many, or one reference for all",
+                input.name
+            );
+            return Err(Misuse(problem).into());
+        }
+    }
+
+    let tone = Tone { curve: arguments.tone, exposure_ev: arguments.exposure };
+    let judging = Judging { tone, vdp_frames_per_sec: arguments.vdp.then_some(arguments.fps) };
+    let limits = TextureLimits::default();
+    let read = |path: &Path| read_picture(path, limits).map_err(LabError::from);
+    let first: Picture = read(&reference.frames[0])?;
+    let (width, height) = first.colour.size();
+    if arguments.vdp && width.min(height) < LEAST_VDP_SIDE_PX {
+        let problem = format!("--vdp judges pictures from {LEAST_VDP_SIDE_PX} pixels a side up");
+        return Err(Misuse(problem).into());
+    }
+    let bar = console.bar();
+    bar.expect(inputs.iter().map(|input| input.frames.len() as u64).sum());
+    let mut judged: Vec<Judged> = Vec::with_capacity(inputs.len());
+    for input in &inputs {
+        bar.name(&input.name);
+        judged.push(judging.judge(&input.name, input.frames.len() as u32, |index| {
+            bar.step();
+            let index = index as usize;
+            // One reference is the one for all.
+            let expected = reference.frames.get(index).unwrap_or(&reference.frames[0]);
+            Ok((read(expected)?, read(&input.frames[index])?))
+        })?);
+    }
+    drop(bar);
+
+    let figures = picture_figures(&judged);
+    let report = JudgedPictures::new(&reference.name, [width, height], &tone, &judged);
+    if let Some(folder) = &arguments.html {
+        let last = read(&reference.frames[reference.frames.len() - 1])?;
+        let page = page::pictures::Page::new(&reference.name, &last, tone, &judged)?;
+        for (name, png) in page.files() {
+            output::write_file(&folder.join(format!("{}.png", file_name_from(&name))), png)?;
+        }
+        let text = page.text(&report)?;
+        output::write_file(&folder.join("index.html"), text.as_bytes())?;
+        console.note(format_args!("wrote {}", folder.join("index.html").display()));
+    }
+    data_files.write(&figures)?;
+    let prints_json = json.as_ref().is_some_and(TextOutput::is_stdout);
+    if let Some(json) = json {
+        json.write(&json::text(&report)?)?;
+    }
+    if prints_json || data_files.is_stdout() {
+        return Ok(());
+    }
+    output::print(&Table::of(&figures).text())
+}

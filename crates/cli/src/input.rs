@@ -1,0 +1,107 @@
+//! Pictures that others made: one file, the pictures of a folder, or numbered files.
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+};
+
+use anyhow::{Context as _, bail};
+
+use crate::output::PictureOutput;
+
+/// Endings of pictures; what is inside is told by the bytes.
+const ENDINGS: [&str; 6] = ["png", "exr", "jpg", "jpeg", "hdr", "webp"];
+
+/// A picture, or a clip of several.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct PictureInput {
+    /// What it is called.
+    pub(crate) name: String,
+    /// Its frames in order, at least one.
+    pub(crate) frames: Vec<PathBuf>,
+}
+
+impl PictureInput {
+    /// Finds the files of `PATH` or `NAME=PATH`: a file, a folder, whose pictures are taken in the order of
+    /// their names, or a name with `####` or `%04d`, for which all numbers are taken that there are.
+    pub(crate) fn find(text: &str) -> anyhow::Result<Self> {
+        let whole = Path::new(text);
+        let (name, path) = match text.split_once('=') {
+            Some((name, path)) if !whole.exists() && !name.contains('/') => (name, Path::new(path)),
+            _ => (text, whole),
+        };
+        let frames = frames(path)?;
+        if frames.is_empty() {
+            bail!(
+                "{}: there is no picture; give a .png, .exr, .jpg, .hdr or .webp file, a folder of them, or a name with #### for the number",
+                path.display()
+            );
+        }
+        Ok(Self { name: name.to_owned(), frames })
+    }
+}
+
+fn frames(path: &Path) -> anyhow::Result<Vec<PathBuf>> {
+    if path.is_file() {
+        return Ok(vec![path.to_owned()]);
+    }
+    if path.is_dir() {
+        let mut files = listed(path)?;
+        files.retain(|file| {
+            let ending = file.extension().map(|ending| ending.to_ascii_lowercase());
+            ending.is_some_and(|ending| ENDINGS.iter().any(|known| *known == ending))
+        });
+        files.sort();
+        return Ok(files);
+    }
+    let PictureOutput::Sequence { before, digits, after } = PictureOutput::from_path(path) else {
+        bail!("{}: there is no such file or folder", path.display());
+    };
+    let (folder, start) = before.rsplit_once('/').unwrap_or((".", &before));
+    let folder = if before.starts_with('/') && folder.is_empty() { "/" } else { folder };
+    let mut numbered: Vec<(u32, PathBuf)> = Vec::new();
+    for file in listed(Path::new(folder))? {
+        let name = file.file_name().and_then(|name| name.to_str()).unwrap_or_default();
+        let number = name.strip_prefix(start).and_then(|rest| rest.strip_suffix(after.as_str()));
+        let number = number
+            .filter(|number| number.len() >= digits && number.bytes().all(|digit| digit.is_ascii_digit()));
+        if let Some(number) = number.and_then(|number| number.parse().ok()) {
+            numbered.push((number, file));
+        }
+    }
+    numbered.sort();
+    Ok(numbered.into_iter().map(|(_, file)| file).collect())
+}
+
+fn listed(folder: &Path) -> anyhow::Result<Vec<PathBuf>> {
+    let entries = fs::read_dir(folder).with_context(|| format!("cannot read {}", folder.display()))?;
+    entries.map(|entry| Ok(entry?.path())).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn files_folders_and_numbers_are_found_in_order() {
+        let folder = tempfile::tempdir().unwrap();
+        for name in ["a-10.png", "a-2.png", "a-09.png", "b.EXR", "notes.txt", "a-x.png"] {
+            fs::write(folder.path().join(name), "").unwrap();
+        }
+        let names = |text: &str| -> Vec<String> {
+            let input = PictureInput::find(text).unwrap();
+            input.frames.iter().map(|file| file.file_name().unwrap().to_str().unwrap().to_owned()).collect()
+        };
+        let at = |name: &str| folder.path().join(name).display().to_string();
+        assert_eq!(names(&at("b.EXR")), ["b.EXR"]);
+        assert_eq!(names(&at("")), ["a-09.png", "a-10.png", "a-2.png", "a-x.png", "b.EXR"]);
+        assert_eq!(names(&at("a-##.png")), ["a-09.png", "a-10.png"]);
+        assert_eq!(names(&at("a-%d.png")), ["a-2.png", "a-09.png", "a-10.png"]);
+        let named = PictureInput::find(&format!("ours={}", at("b.EXR"))).unwrap();
+        assert_eq!((named.name.as_str(), named.frames.len()), ("ours", 1));
+        for (wrong, said) in [("c.png", "no such file"), ("c-##.png", "no picture")] {
+            let error = PictureInput::find(&at(wrong)).unwrap_err().to_string();
+            assert!(error.contains(said) && error.contains(wrong), "{error}");
+        }
+    }
+}
