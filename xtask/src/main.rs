@@ -9,6 +9,7 @@ mod binaries;
 mod driver;
 mod gallery;
 mod graph;
+mod peers;
 mod results;
 mod rules;
 mod setup;
@@ -36,6 +37,9 @@ enum Task {
     /// Measure what README and docs claim and write it there: half an hour, on a machine that does nothing
     /// else.
     Results(results::Results),
+    /// Measure other tracers and renderers beside ours and write docs/performance.md: some minutes, on a
+    /// machine that does nothing else.
+    BenchPeers(peers::Peers),
     /// Render every .gltf and .glb file below a folder and write a contact sheet.
     Gallery(gallery::Gallery),
 }
@@ -47,6 +51,7 @@ fn main() -> ExitCode {
         Task::Rules => rules::run(),
         Task::Graph(graph) => graph.run(),
         Task::Results(results) => results.run(),
+        Task::BenchPeers(peers) => peers.run(),
         Task::Gallery(gallery) => gallery.run(),
     };
     match result {
