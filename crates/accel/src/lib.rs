@@ -11,6 +11,8 @@
 //!   JCGT 2013) with a fill rule, so that a ray through a shared edge or vertex hits exactly one of the
 //!   triangles around it: no hole, and no layer counted twice.
 //! * Boxes: conservative after Ize (*Robust BVH Ray Traversal*, JCGT 2013) and Woop et al.
+//! * Packets: coherent rays, such as those of a tile of pixels, descend the tree together
+//!   ([`Bvh::traverse_packet`]), with the hits of single rays, to the bit.
 //! * Instances: what is drawn many times can be stored once ([`Bvh::build_with_meshes`]): a tree a mesh and
 //!   one over all instances, with the hits of a tree over all of their triangles, to the bit.
 //! * Paths: AVX-512, AVX2 and portable code, chosen at run time ([`SimdPath`]); hits are the same bits on
@@ -34,6 +36,7 @@ mod instance;
 mod limits;
 mod node;
 mod packed;
+mod packet;
 mod placement;
 mod ray;
 mod simd;

@@ -10,6 +10,7 @@
 use glam::{Affine3A, Vec3, Vec3A};
 
 use crate::build::is_kept;
+use crate::limits::COORDINATE_LIMIT;
 use crate::node::{Block, Node, WIDTH};
 use crate::simd::lanes::Lanes;
 
@@ -17,6 +18,8 @@ use crate::simd::lanes::Lanes;
 pub(crate) trait Placement {
     /// One plane of each child's box; `row` as in [`Node::bounds`].
     fn plane<L: Lanes>(&self, lanes: L, node: &Node, row: usize) -> L::F;
+    /// Both planes of each child's box along an axis, finite where the box holds a triangle that is kept.
+    fn slab<L: Lanes>(&self, lanes: L, node: &Node, axis: usize) -> [L::F; 2];
     /// Lanes that hold a child, as far as their boxes do not tell.
     fn used<L: Lanes>(&self, lanes: L, node: &Node) -> u32;
     /// One coordinate of the three vertices of each triangle.
@@ -36,6 +39,11 @@ impl Placement for InWorld {
     #[inline(always)]
     fn plane<L: Lanes>(&self, lanes: L, node: &Node, row: usize) -> L::F {
         lanes.load(&node.bounds[row])
+    }
+
+    #[inline(always)]
+    fn slab<L: Lanes>(&self, lanes: L, node: &Node, axis: usize) -> [L::F; 2] {
+        [lanes.load(&node.bounds[axis]), lanes.load(&node.bounds[axis + 3])]
     }
 
     #[inline(always)]
@@ -122,6 +130,17 @@ impl Placement for Placed {
         let [x, y, z] =
             [&node.bounds[usize::from(x)], &node.bounds[usize::from(y)], &node.bounds[usize::from(z)]];
         combine(lanes, self.rows[row % 3], [lanes.load(x), lanes.load(y), lanes.load(z)])
+    }
+
+    /// Beyond the range of coordinates nothing is kept. A plane that has left even that of numbers is the
+    /// first operand, and gives way to the second.
+    #[inline(always)]
+    fn slab<L: Lanes>(&self, lanes: L, node: &Node, axis: usize) -> [L::F; 2] {
+        let limit = lanes.splat(COORDINATE_LIMIT);
+        [
+            lanes.max(self.plane(lanes, node, axis), lanes.sub(lanes.splat(0.0), limit)),
+            lanes.min(self.plane(lanes, node, axis + 3), limit),
+        ]
     }
 
     /// The infinite boxes of unused lanes may have become anything.

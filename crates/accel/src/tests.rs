@@ -5,6 +5,8 @@ use glam::{Affine3A, Mat3, Quat, Vec3, vec3};
 use crate::node::Child;
 use crate::{AccelError, Bvh, Hit, Instance, MeshTree, PackedTree, Ray, SimdPath};
 
+mod packets;
+
 type Triangle = [Vec3; 3];
 
 /// PCG output permutation over a counter.

@@ -1,6 +1,6 @@
 //! The one traversal, written over eight [`Lanes`] and compiled once for each SIMD path.
 
-use glam::Vec3A;
+use glam::{Vec3, Vec3A};
 
 use crate::instance::TopLevel;
 use crate::limits::{COORDINATE_LIMIT, LEAST_SPEED, SPEED_LIMIT};
@@ -74,7 +74,7 @@ fn walk<L: Lanes, P: Placement>(
     mut visit: impl FnMut(Hit) -> f32,
 ) -> f32 {
     let Some(root) = tree.root else { return t_max };
-    let mut hits = BlockHits { lanes: 0, front: 0, t: [0.0; WIDTH], u: [0.0; WIDTH], v: [0.0; WIDTH] };
+    let mut hits = LaneHits::NONE;
     let mut slots = Slots::new();
     let mut stack = Stack::new(&mut slots);
     stack.push(slabs.t_min, root);
@@ -168,14 +168,12 @@ impl Slabs {
     /// None for a ray out of the ranges that [`Ray`] names, NaN included.
     #[inline(always)]
     fn new(ray: &Ray, lower: Vec3A, upper: Vec3A) -> Option<Self> {
+        if !is_in_range(ray) {
+            return None;
+        }
         let (origin, direction) = (Vec3A::from(ray.origin), Vec3A::from(ray.direction));
         let speed = direction.abs();
         let fastest = speed.max_element();
-        let in_range =
-            origin.abs().cmple(Vec3A::splat(COORDINATE_LIMIT)) & speed.cmple(Vec3A::splat(SPEED_LIMIT));
-        if !in_range.all() || fastest < LEAST_SPEED {
-            return None;
-        }
         let reach = (lower - origin).abs().max((upper - origin).abs());
         let pad = (reach + reach.max_element()) * Self::PADDING + origin.abs() * Self::ORIGIN_PADDING;
         let pad = pad.copysign(direction);
@@ -230,33 +228,67 @@ impl Slabs {
     }
 }
 
-/// The ray as the watertight triangle test needs it (Woop et al.): translation to its origin,
-/// axes permuted so that z is the fastest, and the shear that turns it into the z axis.
-struct Shear {
-    /// Original axes that become x, y and z.
-    axes: [usize; 3],
-    /// The ray's origin with its axes permuted.
-    origin: [f32; 3],
-    /// Direction's x and y per z, and 1 per z.
-    slope: [f32; 3],
+/// Whether a ray keeps the ranges that [`Ray`] names; a NaN does not.
+#[inline(always)]
+pub(crate) fn is_in_range(ray: &Ray) -> bool {
+    let speed = Vec3A::from(ray.direction).abs();
+    let in_range = Vec3A::from(ray.origin).abs().cmple(Vec3A::splat(COORDINATE_LIMIT))
+        & speed.cmple(Vec3A::splat(SPEED_LIMIT));
+    in_range.all() && speed.max_element() >= LEAST_SPEED
 }
 
-/// Hits of a block. Lanes outside `lanes` hold anything.
-struct BlockHits {
-    lanes: u32,
+/// The ray as the watertight triangle test needs it (Woop et al.): translation to its origin,
+/// axes permuted so that z is the fastest, and the shear that turns it into the z axis.
+pub(crate) struct Shear {
+    /// Original axes that become x, y and z.
+    pub(crate) axes: [usize; 3],
+    /// The ray's origin with its axes permuted.
+    pub(crate) origin: [f32; 3],
+    /// Direction's x and y per z, and 1 per z.
+    pub(crate) slope: [f32; 3],
+}
+
+/// Hits of one ray with a block, or of eight rays with a triangle. Lanes outside `lanes` hold anything.
+pub(crate) struct LaneHits {
+    pub(crate) lanes: u32,
     /// Lanes whose triangle turns its front to the ray's origin.
-    front: u32,
-    t: [f32; WIDTH],
-    u: [f32; WIDTH],
-    v: [f32; WIDTH],
+    pub(crate) front: u32,
+    pub(crate) t: [f32; WIDTH],
+    pub(crate) u: [f32; WIDTH],
+    pub(crate) v: [f32; WIDTH],
+}
+
+impl LaneHits {
+    pub(crate) const NONE: Self =
+        Self { lanes: 0, front: 0, t: [0.0; WIDTH], u: [0.0; WIDTH], v: [0.0; WIDTH] };
+
+    /// Adds what [`Shear::exact`] found in a lane, if it lies within `[t_min, t_max]`.
+    pub(crate) fn add(&mut self, lane: usize, hit: &Hit, t_min: f32, t_max: f32) {
+        if t_min <= hit.t && hit.t <= t_max {
+            self.lanes |= 1 << lane;
+            self.front |= u32::from(hit.front) << lane;
+            (self.t[lane], self.u[lane], self.v[lane]) = (hit.t, hit.u, hit.v);
+        }
+    }
 }
 
 impl Shear {
     /// `inverse` is 1 per unit of direction, of which the fastest axis counts.
     #[inline(always)]
     fn new(ray: &Ray, inverse: [f32; 3]) -> Self {
+        let axes @ [x, y, z] = Self::axes(ray.direction);
         let (origin, direction) = (ray.origin.to_array(), ray.direction.to_array());
-        let speed = ray.direction.abs();
+        Self {
+            axes,
+            origin: [origin[x], origin[y], origin[z]],
+            slope: [direction[x] * inverse[z], direction[y] * inverse[z], inverse[z]],
+        }
+    }
+
+    /// Original axes that become x, y and z for a ray of a direction.
+    #[inline(always)]
+    pub(crate) fn axes(direction: Vec3) -> [usize; 3] {
+        let speed = direction.abs();
         let (next, last, z) = if speed.x >= speed.y && speed.x >= speed.z {
             (1, 2, 0)
         } else if speed.y >= speed.z {
@@ -265,19 +297,12 @@ impl Shear {
             (0, 1, 2)
         };
         // Swapped for a ray against the axis: keeps the winding.
-        let (x, y) = if direction[z] < 0.0 { (last, next) } else { (next, last) };
-        Self {
-            axes: [x, y, z],
-            origin: [origin[x], origin[y], origin[z]],
-            slope: [direction[x] * inverse[z], direction[y] * inverse[z], inverse[z]],
-        }
+        if direction[z] < 0.0 { [last, next, z] } else { [next, last, z] }
     }
 
     /// Writes the hits of a block within `[t_min, t_max]`; false if there are none.
     ///
-    /// A triangle is hit if the signed areas that the ray's point spans with its edges have one sign. In
-    /// `f32` a sign is never wrong, as rounding is monotonic, but it may be lost; [`Shear::exact`] settles
-    /// lanes where one is 0.
+    /// [`Shear::exact`] settles lanes where the sign of an area is lost.
     #[inline(always)]
     fn hit<L: Lanes, P: Placement>(
         &self,
@@ -286,7 +311,7 @@ impl Shear {
         block: &Block,
         t_min: f32,
         t_max: f32,
-        hits: &mut BlockHits,
+        hits: &mut LaneHits,
     ) -> bool {
         // No closures, no `map`: what is not `inline(always)` is compiled without the path's instructions.
         let [x_axis, y_axis, z_axis] = self.axes;
@@ -298,35 +323,19 @@ impl Shear {
         ];
         let x = shear(lanes, place.coordinates(lanes, block, x_axis), self.origin[0], self.slope[0], z);
         let y = shear(lanes, place.coordinates(lanes, block, y_axis), self.origin[1], self.slope[1], z);
-        let areas = [
-            cross(lanes, x[2], y[2], x[1], y[1]),
-            cross(lanes, x[0], y[0], x[2], y[2]),
-            cross(lanes, x[1], y[1], x[0], y[0]),
-        ];
-
-        let zero = lanes.splat(0.0);
-        let least = lanes.min(lanes.min(areas[0], areas[1]), areas[2]);
-        let most = lanes.max(lanes.max(areas[0], areas[1]), areas[2]);
-        let touched = lanes.le(zero, least) | lanes.le(most, zero);
+        let areas = Areas::new(lanes, x, y);
+        let touched = areas.touched(lanes);
         if touched == 0 {
             return false;
         }
-        let front = lanes.lt(zero, least);
-        let inside = front | lanes.lt(most, zero);
-
-        let inverse = lanes.div(lanes.splat(1.0), lanes.add(lanes.add(areas[0], areas[1]), areas[2]));
-        // The weights before the depth: areas times depths could leave the range of f32.
-        let weights =
-            [lanes.mul(areas[0], inverse), lanes.mul(areas[1], inverse), lanes.mul(areas[2], inverse)];
-        let depth = lanes.add(lanes.mul(weights[0], z[0]), lanes.mul(weights[1], z[1]));
-        let depth = lanes.add(depth, lanes.mul(weights[2], z[2]));
-        let t = lanes.mul(depth, lanes.splat(self.slope[2]));
+        let (front, inside) = areas.sides(lanes);
+        let [t, u, v] = areas.solve(lanes, z, lanes.splat(self.slope[2]));
         let within = lanes.le(lanes.splat(t_min), t) & lanes.le(t, lanes.splat(t_max));
         hits.lanes = inside & within;
         hits.front = front;
         hits.t = lanes.store(t);
-        hits.u = lanes.store(weights[1]);
-        hits.v = lanes.store(weights[2]);
+        hits.u = lanes.store(u);
+        hits.v = lanes.store(v);
         if touched != inside {
             self.settle(place, block, touched & !inside, t_min, t_max, hits);
         }
@@ -343,16 +352,13 @@ impl Shear {
         mut unsettled: u32,
         t_min: f32,
         t_max: f32,
-        hits: &mut BlockHits,
+        hits: &mut LaneHits,
     ) {
         while unsettled != 0 {
             let lane = unsettled.trailing_zeros() as usize % WIDTH;
             unsettled &= unsettled - 1;
-            let Some(hit) = self.exact(place, block, lane) else { continue };
-            if t_min <= hit.t && hit.t <= t_max {
-                hits.lanes |= 1 << lane;
-                hits.front |= u32::from(hit.front) << lane;
-                (hits.t[lane], hits.u[lane], hits.v[lane]) = (hit.t, hit.u, hit.v);
+            if let Some(hit) = self.exact(place, block, lane) {
+                hits.add(lane, &hit, t_min, t_max);
             }
         }
     }
@@ -363,7 +369,7 @@ impl Shear {
     /// Where an area is exactly 0 the ray passes through an edge. Then it counts as moved by an
     /// infinitesimal (-e, e^2) in the sheared plane, which is the fill rule of rasterisers: of all triangles
     /// around the edge or vertex, as many are hit as if the ray had passed beside it.
-    fn exact<P: Placement>(&self, place: &P, block: &Block, lane: usize) -> Option<Hit> {
+    pub(crate) fn exact<P: Placement>(&self, place: &P, block: &Block, lane: usize) -> Option<Hit> {
         let [a, b, c] = [0, 1, 2].map(|vertex: usize| {
             let [x, y, z] = [0, 1, 2].map(|axis: usize| {
                 place.coordinate(block, lane, vertex, self.axes[axis]) - self.origin[axis]
@@ -391,6 +397,62 @@ impl Shear {
             triangle: block.triangles[lane],
             front,
         })
+    }
+}
+
+/// Twice the signed areas that the point of a ray spans with the edges of a triangle, both seen along the
+/// ray. The triangle is hit if they have one sign. In `f32` a sign is never wrong, as rounding is monotonic,
+/// but it may be lost.
+///
+/// This is the arithmetic of all hits, of one ray with eight triangles as of eight rays with one: so hits are
+/// the same bits.
+pub(crate) struct Areas<F> {
+    areas: [F; 3],
+    least: F,
+    most: F,
+}
+
+impl<F: Copy> Areas<F> {
+    /// `x` and `y` of the three vertices in the sheared plane, where the ray is the origin.
+    #[inline(always)]
+    pub(crate) fn new<L: Lanes<F = F>>(lanes: L, x: [F; 3], y: [F; 3]) -> Self {
+        let areas = [
+            cross(lanes, x[2], y[2], x[1], y[1]),
+            cross(lanes, x[0], y[0], x[2], y[2]),
+            cross(lanes, x[1], y[1], x[0], y[0]),
+        ];
+        let least = lanes.min(lanes.min(areas[0], areas[1]), areas[2]);
+        let most = lanes.max(lanes.max(areas[0], areas[1]), areas[2]);
+        Self { areas, least, most }
+    }
+
+    /// Lanes that are hit, and those where a lost sign leaves it open.
+    #[inline(always)]
+    pub(crate) fn touched<L: Lanes<F = F>>(&self, lanes: L) -> u32 {
+        let zero = lanes.splat(0.0);
+        lanes.le(zero, self.least) | lanes.le(self.most, zero)
+    }
+
+    /// Lanes whose triangle is hit from the front, and those where it is hit at all, as far as no sign is
+    /// lost.
+    #[inline(always)]
+    pub(crate) fn sides<L: Lanes<F = F>>(&self, lanes: L) -> (u32, u32) {
+        let zero = lanes.splat(0.0);
+        let front = lanes.lt(zero, self.least);
+        (front, front | lanes.lt(self.most, zero))
+    }
+
+    /// Distance and weights of the second and third vertex, from the vertices' depths and 1 per unit of the
+    /// ray's direction along the dominant axis.
+    #[inline(always)]
+    pub(crate) fn solve<L: Lanes<F = F>>(&self, lanes: L, z: [F; 3], inverse_speed: F) -> [F; 3] {
+        let [a, b, c] = self.areas;
+        let inverse = lanes.div(lanes.splat(1.0), lanes.add(lanes.add(a, b), c));
+        // The weights before the depth: areas times depths could leave the range of f32.
+        let weights = [lanes.mul(a, inverse), lanes.mul(b, inverse), lanes.mul(c, inverse)];
+        let depth = lanes.add(lanes.mul(weights[0], z[0]), lanes.mul(weights[1], z[1]));
+        let depth = lanes.add(depth, lanes.mul(weights[2], z[2]));
+        [lanes.mul(depth, inverse_speed), weights[1], weights[2]]
     }
 }
 

@@ -1,6 +1,6 @@
 //! Eight lanes of `f32` on three paths, and the traversal compiled once for each.
 //!
-//! The arithmetic of a hit is written once, in [`crate::traverse`], over [`lanes::Lanes`]; no path fuses a
+//! The arithmetic of a hit is written once, in `traverse::Areas`, over [`lanes::Lanes`]; no path fuses a
 //! multiplication with an addition, so all paths give the same bits.
 #![expect(
     unsafe_code,
@@ -16,6 +16,7 @@ mod x86;
 use std::fmt;
 
 use crate::instance::TopLevel;
+use crate::packet;
 use crate::ray::{Hit, Ray};
 use crate::traverse;
 use crate::tree::Tree;
@@ -112,6 +113,39 @@ impl SupportedPath {
             #[cfg(target_arch = "x86_64")]
             SimdPath::Avx2 => unsafe { x86::traverse_two_levels_avx2(tree, top, ray, visit) },
             _ => traverse::traverse_two_levels(portable::Portable, tree, top, ray, visit),
+        }
+    }
+
+    /// Runs the traversal of packets compiled for the path. `visit` is inlined into it.
+    #[inline]
+    pub(crate) fn traverse_packet(self, tree: Tree<'_>, rays: &[Ray], visit: impl FnMut(usize, Hit) -> f32) {
+        match self.0 {
+            // SAFETY: `new` and `detect` make a `SupportedPath` only after `is_supported`.
+            #[cfg(target_arch = "x86_64")]
+            SimdPath::Avx512 => unsafe { x86::traverse_packet_avx512(tree, rays, visit) },
+            // SAFETY: as above.
+            #[cfg(target_arch = "x86_64")]
+            SimdPath::Avx2 => unsafe { x86::traverse_packet_avx2(tree, rays, visit) },
+            _ => packet::traverse(portable::Portable, tree, rays, visit),
+        }
+    }
+
+    /// The same through a tree and the instances beside it, where `visit` is called.
+    pub(crate) fn traverse_packet_two_levels(
+        self,
+        tree: Tree<'_>,
+        top: &TopLevel,
+        rays: &[Ray],
+        visit: &mut dyn FnMut(usize, Hit) -> f32,
+    ) {
+        match self.0 {
+            // SAFETY: `new` and `detect` make a `SupportedPath` only after `is_supported`.
+            #[cfg(target_arch = "x86_64")]
+            SimdPath::Avx512 => unsafe { x86::traverse_packet_two_levels_avx512(tree, top, rays, visit) },
+            // SAFETY: as above.
+            #[cfg(target_arch = "x86_64")]
+            SimdPath::Avx2 => unsafe { x86::traverse_packet_two_levels_avx2(tree, top, rays, visit) },
+            _ => packet::traverse_two_levels(portable::Portable, tree, top, rays, visit),
         }
     }
 }

@@ -16,6 +16,7 @@ use super::lanes::Lanes;
 use super::stack::Stack;
 use crate::instance::TopLevel;
 use crate::node::{Child, WIDTH};
+use crate::packet;
 use crate::ray::{Hit, Ray};
 use crate::traverse;
 use crate::tree::Tree;
@@ -68,6 +69,40 @@ pub(super) fn traverse_two_levels_avx2(
     visit: &mut dyn FnMut(Hit) -> f32,
 ) {
     traverse::traverse_two_levels(Avx2(()), tree, top, ray, visit);
+}
+
+/// [`packet::traverse`] with AVX-512 instructions; everything below it but the set-up is inlined here.
+#[target_feature(enable = "avx512f,avx512vl,avx512bw,avx512dq,avx2,bmi1,bmi2,lzcnt,popcnt")]
+pub(super) fn traverse_packet_avx512(tree: Tree<'_>, rays: &[Ray], visit: impl FnMut(usize, Hit) -> f32) {
+    packet::traverse(Avx512(()), tree, rays, visit);
+}
+
+/// [`packet::traverse`] with AVX2 instructions; everything below it but the set-up is inlined here.
+#[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
+pub(super) fn traverse_packet_avx2(tree: Tree<'_>, rays: &[Ray], visit: impl FnMut(usize, Hit) -> f32) {
+    packet::traverse(Avx2(()), tree, rays, visit);
+}
+
+/// [`packet::traverse_two_levels`] with AVX-512 instructions.
+#[target_feature(enable = "avx512f,avx512vl,avx512bw,avx512dq,avx2,bmi1,bmi2,lzcnt,popcnt")]
+pub(super) fn traverse_packet_two_levels_avx512(
+    tree: Tree<'_>,
+    top: &TopLevel,
+    rays: &[Ray],
+    visit: &mut dyn FnMut(usize, Hit) -> f32,
+) {
+    packet::traverse_two_levels(Avx512(()), tree, top, rays, visit);
+}
+
+/// [`packet::traverse_two_levels`] with AVX2 instructions.
+#[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
+pub(super) fn traverse_packet_two_levels_avx2(
+    tree: Tree<'_>,
+    top: &TopLevel,
+    rays: &[Ray],
+    visit: &mut dyn FnMut(usize, Hit) -> f32,
+) {
+    packet::traverse_two_levels(Avx2(()), tree, top, rays, visit);
 }
 
 /// Made only inside the functions for AVX-512, which need the features.
