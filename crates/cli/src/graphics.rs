@@ -1,12 +1,7 @@
 //! What the graphics library does where it has no error to give: it panics, above all without memory; and
 //! what drivers do there: they end the program, so that they are not asked.
 
-use std::{
-    cell::{Cell, RefCell},
-    panic::{self, AssertUnwindSafe},
-};
-
-use sheer_core::text::MemorySize;
+use sheer_core::{caught_panic, text::MemorySize};
 
 use crate::memory;
 
@@ -27,38 +22,13 @@ enum GraphicsFailure {
 pub(crate) const LISTING: MemorySize = MemorySize(350_000_000);
 pub(crate) const RENDERING: MemorySize = MemorySize(900_000_000);
 
-thread_local! {
-    /// Whether a panic on this thread becomes an error.
-    static IS_CAUGHT: Cell<bool> = const { Cell::new(false) };
-    /// What the last one said that did.
-    static SAID: RefCell<String> = const { RefCell::new(String::new()) };
-}
-
-/// Lets panics that become errors say nothing by themselves.
-pub(crate) fn keep_caught_panics_quiet() {
-    let say = panic::take_hook();
-    panic::set_hook(Box::new(move |panic| {
-        let text = panic.payload_as_str().unwrap_or("it panicked");
-        // "panic in a destructor", "panic in a function that cannot unwind": what ends the program at once.
-        if IS_CAUGHT.get() && !text.starts_with("panic in a ") {
-            SAID.set(text.to_owned());
-        } else {
-            say(panic);
-        }
-    }));
-}
-
 /// Does something with the graphics library, whose panics become errors, where a driver finds the memory that
 /// it may take.
 pub(crate) fn guarded<T>(needed: MemorySize, task: impl FnOnce() -> anyhow::Result<T>) -> anyhow::Result<T> {
     if let Some(free) = memory::free().filter(|free| *free < needed) {
         return Err(GraphicsFailure::Memory { needed, free }.into());
     }
-    IS_CAUGHT.set(true);
-    // Nothing of what the task had in its hands is used again.
-    let outcome = panic::catch_unwind(AssertUnwindSafe(task));
-    IS_CAUGHT.set(false);
-    outcome.unwrap_or_else(|_| Err(GraphicsFailure::Panic(SAID.take()).into()))
+    caught_panic::catch(task).unwrap_or_else(|said| Err(GraphicsFailure::Panic(said).into()))
 }
 
 #[cfg(test)]
@@ -67,12 +37,10 @@ mod tests {
 
     #[test]
     fn a_panic_becomes_an_error_that_says_what_to_do() {
-        keep_caught_panics_quiet();
         let message =
             guarded::<()>(MemorySize(0), || panic!("no memory for {}", "queue")).unwrap_err().to_string();
         assert!(message.contains("(no memory for queue); free memory"), "{message}");
         assert_eq!(guarded(MemorySize(0), || Ok(7)).unwrap(), 7);
-        assert!(panic::catch_unwind(|| panic!("elsewhere")).is_err());
         // Where the system says what is free, no driver is asked in vain.
         if memory::free().is_some() {
             let message = guarded(MemorySize(u64::MAX), || Ok(())).unwrap_err().to_string();

@@ -25,7 +25,7 @@ mod version;
 
 fn main() -> ExitCode {
     output::finish_writing_when_interrupted();
-    graphics::keep_caught_panics_quiet();
+    sheer_core::caught_panic::silence();
     memory::end_when_exhausted();
     if env::var_os("RUST_LOG").is_some() {
         env_logger::init();

@@ -2,6 +2,7 @@
 
 pub mod bibliography;
 pub mod blue_noise;
+pub mod caught_panic;
 pub mod colour;
 pub mod coverage;
 pub mod hash;

@@ -5,7 +5,9 @@
 //! (extension, "Conformance") and are paid for; the other numbers that cost memory are found by
 //! [`draco_walk`].
 
-use std::{collections::BTreeMap, panic};
+use std::collections::BTreeMap;
+
+use sheer_core::caught_panic;
 
 use super::{
     accessor::Component,
@@ -68,7 +70,7 @@ pub(super) fn decode(
 
     // The decoder is young: whatever invariant of its own it finds broken by bad data must not end the
     // program.
-    let attempt = panic::catch_unwind(|| decode_stream(&stream));
+    let attempt = caught_panic::catch(|| decode_stream(&stream));
     let mesh = attempt
         .unwrap_or_else(|_| Err("the Draco data is damaged".to_owned()))
         .map_err(|problem| fault(&problem))?;

@@ -4,9 +4,10 @@
 //! The header is read here whatever the payload is, so that sizes are known to be sane before anything is
 //! allocated. Section numbers are those of the KTX File Format Specification, version 2.0.
 
-use std::{borrow::Cow, io::Read, panic};
+use std::{borrow::Cow, io::Read};
 
 use basisu::{DecodeFlags, TargetFormat, Transcoder};
+use sheer_core::caught_panic;
 use sheer_image::{Image, TextureLimits};
 
 /// What every file begins with (KTX 2.0, section 3.1).
@@ -179,7 +180,7 @@ fn inflate(stored: &[u8], wanted: usize) -> Result<Vec<u8>, String> {
 fn decode_basis(header: &Header, bytes: &[u8]) -> Result<Vec<[u8; 4]>, String> {
     // Sizes are checked above; what the decoder trusts beyond them, such as an index into a codebook, must
     // not end the program.
-    let attempt = panic::catch_unwind(|| {
+    let attempt = caught_panic::catch(|| {
         let transcoder = Transcoder::new(bytes).ok()?;
         (transcoder.base_dimensions() == (header.width, header.height)).then_some(())?;
         transcoder.transcode(0, TargetFormat::Rgba32, DecodeFlags::NONE).ok()
