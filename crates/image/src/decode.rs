@@ -1,4 +1,4 @@
-//! Reading textures that strangers made: PNG, JPEG and WebP with bounded memory.
+//! Reading textures that strangers made: PNG, JPEG, WebP, BMP and TGA with bounded memory.
 
 use std::io::Cursor;
 
@@ -23,11 +23,12 @@ impl Default for TextureLimits {
 }
 
 /// The formats that [`decode_texture`] reads, for messages.
-const FORMATS: &str = "PNG, JPEG or WebP";
+const FORMATS: &str = "PNG, JPEG, WebP, BMP or TGA";
 
-/// Decodes a PNG, JPEG or WebP to 8-bit RGBA with straight alpha, in the colour space of the file; the first
-/// picture of an animation. 16-bit channels are rounded to 8 bits, missing alpha is opaque. The format is
-/// recognised by its bytes. `name` says in messages what the bytes are, such as a file name.
+/// Decodes a PNG, JPEG, WebP, BMP or TGA to 8-bit RGBA with straight alpha, in the colour space of the file;
+/// the first picture of an animation. 16-bit channels are rounded to 8 bits, missing alpha is opaque. The
+/// format is recognised by its bytes, but TGA, which has nothing of its own, by a `name` that ends with
+/// `.tga`. The name says in messages what the bytes are, such as a file name.
 ///
 /// # Errors
 /// [`ImageError::TooLarge`] before anything large is allocated, [`ImageError::TooMuchMemory`], or
@@ -50,6 +51,11 @@ pub fn decode_texture(bytes: &[u8], name: &str, limits: TextureLimits) -> Result
         decoder.read_image(&mut samples).map(|()| convert_to_rgba8(&samples, colour_type, target))
     };
     decoded.map_err(|error| refused(error, name, limits))?;
+    // Many programs leave the fourth byte of a TGA at zero and mean nothing by it.
+    let texels = image.as_mut_slice();
+    if is_tga(name) && texels.iter().all(|texel| texel[3] == 0) {
+        texels.iter_mut().for_each(|texel| texel[3] = 255);
+    }
     Ok(image)
 }
 
@@ -59,6 +65,11 @@ pub fn decode_texture(bytes: &[u8], name: &str, limits: TextureLimits) -> Result
 /// Those of [`decode_texture`] that the header is enough for.
 pub fn texture_size(bytes: &[u8], name: &str, limits: TextureLimits) -> Result<(u32, u32), ImageError> {
     open(bytes, name, limits).map(|decoder| decoder.dimensions())
+}
+
+/// Whether a name says that the bytes are TGA, if they are nothing else.
+fn is_tga(name: &str) -> bool {
+    name.len() >= 4 && name.as_bytes()[name.len() - 4..].eq_ignore_ascii_case(b".tga")
 }
 
 fn failed(reason: String, name: &str) -> ImageError {
@@ -87,8 +98,9 @@ fn open<'b>(
         .with_guessed_format()
         .map_err(|error| failed(error.to_string()))?;
     match reader.format() {
-        Some(ImageFormat::Png | ImageFormat::Jpeg | ImageFormat::WebP) => {}
+        Some(ImageFormat::Png | ImageFormat::Jpeg | ImageFormat::WebP | ImageFormat::Bmp) => {}
         Some(other) => return Err(failed(format!("{other:?} files are not supported"))),
+        None if is_tga(name) => reader.set_format(ImageFormat::Tga),
         None => return Err(failed("the bytes are in no known image format".to_owned())),
     }
     // Sides are checked below, so that the message can name them.
@@ -263,7 +275,10 @@ mod tests {
             [&whole[..whole.len() / 2], &whole[..20], b"", b"no image", b"GIF89a\x01\x00\x01\x00", &damaged]
         {
             let message = decode(bytes).unwrap_err().to_string();
-            assert!(message.contains("leaf texture") && message.contains("PNG, JPEG or WebP"), "{message}");
+            assert!(
+                message.contains("leaf texture") && message.contains("PNG, JPEG, WebP, BMP or TGA"),
+                "{message}"
+            );
         }
     }
 }

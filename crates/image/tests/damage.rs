@@ -45,6 +45,8 @@ const ROWS: &[Row] = &[
     },
     Row { name: "JPEG", make: || encoded(ImageFormat::Jpeg), read: texture },
     Row { name: "WebP", make: || encoded(ImageFormat::WebP), read: texture },
+    Row { name: "BMP", make: || encoded(ImageFormat::Bmp), read: texture },
+    Row { name: "TGA", make: || encoded(ImageFormat::Tga), read: |bytes| texture_of(bytes, "image.tga") },
     Row { name: "OpenEXR", make: exr, read: |bytes| decode_exr(bytes, "an image").is_ok() },
     Row { name: "OpenEXR panorama", make: exr, read: panorama },
     Row { name: "Radiance HDR", make: hdr, read: panorama },
@@ -57,8 +59,12 @@ const ROUNDS: u32 = 3000;
 const LIMITS: TextureLimits = TextureLimits { max_side_px: 4096, max_bytes: 32 << 20 };
 
 fn texture(bytes: &[u8]) -> bool {
-    let size = texture_size(bytes, "an image", LIMITS);
-    let image = decode_texture(bytes, "an image", LIMITS);
+    texture_of(bytes, "an image")
+}
+
+fn texture_of(bytes: &[u8], name: &str) -> bool {
+    let size = texture_size(bytes, name, LIMITS);
+    let image = decode_texture(bytes, name, LIMITS);
     // The header alone says what the whole does.
     if let Ok(image) = &image {
         assert_eq!(size.unwrap(), image.size());

@@ -308,7 +308,7 @@ fn images_that_are_no_images_or_bombs_are_refused() {
             builder.material(json!({"emissiveTexture": {"index": 0}}));
         }
     };
-    refused(with_image(b"not an image".to_vec()), "images[0] ('wood')", &["PNG, JPEG or WebP"]);
+    refused(with_image(b"not an image".to_vec()), "images[0] ('wood')", &["PNG, JPEG, WebP, BMP or TGA"]);
     // A PNG header that claims 60,000 pixels a side.
     let mut bomb = b"\x89PNG\r\n\x1A\n\0\0\0\rIHDR\0\0\xEA\x60\0\0\xEA\x60\x08\x06\0\0\0".to_vec();
     bomb.extend(crc(&bomb[12..]).to_be_bytes());
