@@ -514,3 +514,30 @@ fn write<const N: usize>(hits: &RayHits<N>, answers: &mut [Answer]) {
         };
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+    use sheer_accel::Ray;
+
+    use super::*;
+
+    #[test]
+    fn a_packet_has_its_rays_in_lanes_and_the_rest_does_not_count() {
+        let ray = |x: f32| Ray { origin: Vec3::X * x, direction: Vec3::Z, t_min: 0.5, t_max: 9.0 };
+        let workload = Workload { rays: (0..10).map(|x| ray(x as f32)).collect(), seeds: vec![0; 10] };
+        let prepared = Prepared::new(&workload, 8);
+        let Packets::Of8(packets) = prepared.packets else { panic!("asked for packets of 8") };
+        let (rays, valid) = packets[1];
+        assert_eq!(valid.0, [-1, -1, 0, 0, 0, 0, 0, 0]);
+        assert_eq!(rays.origin[0][..3], [8.0, 9.0, 9.0]);
+        assert_eq!((rays.t_near, rays.t_far), ([0.5; 8], [9.0; 8]));
+        assert_eq!(rays.id, [0, 1, 2, 3, 4, 5, 6, 7]);
+    }
+
+    #[test]
+    fn a_folder_without_the_library_is_named() {
+        let error = Embree::load(Path::new("/nowhere")).err().map(|error| error.to_string());
+        assert!(error.is_some_and(|text| text.contains("/nowhere") && text.contains("embreex")));
+    }
+}
