@@ -290,6 +290,11 @@ fn measure_scene(
             mode: Mode::Single.name(),
             answer: Box::new(|answers| sheer.answer(question, &workload, answers)),
         }];
+        contestants.push(Contestant {
+            engine: SHEER,
+            mode: "tiles",
+            answer: Box::new(|answers| sheer.answer_tiles(question, &workload, answers)),
+        });
         if let Some(embree) = &embree {
             let prepared = &prepared;
             contestants.extend(Mode::of(question).iter().map(|&mode| Contestant {

@@ -1,8 +1,13 @@
 //! Our own tracer.
 
-use sheer_accel::Bvh;
+use std::array;
+
+use sheer_accel::{Bvh, Hit};
 
 use crate::rays::{Answer, LEAST_TRANSMITTANCE, Layer, Question, Scene, Workload, composite};
+
+/// Rays that are traced together.
+const TILE: usize = 64;
 
 /// A tree over the triangles of a scene.
 pub(crate) struct Sheer<'a> {
@@ -52,6 +57,51 @@ impl<'a> Sheer<'a> {
                     Answer { value: transmittance, index: 0 }
                 }
             };
+        }
+    }
+
+    /// Answers a question for each ray, those of a tile of 8 x 8 pixels, or the samples of four pixels, together.
+    pub(crate) fn answer_tiles(&self, question: Question, workload: &Workload, answers: &mut [Answer]) {
+        let (tree, scene) = (&self.tree, self.scene);
+        let mut closest = Vec::new();
+        let mut layers: [Vec<Layer>; TILE] = array::from_fn(|_| Vec::new());
+        let tiles = workload.rays.chunks(TILE).zip(workload.seeds.chunks(TILE)).zip(answers.chunks_mut(TILE));
+        for ((rays, seeds), answers) in tiles {
+            match question {
+                Question::Closest => {
+                    tree.closest_of_packet(rays, |_, _| true, &mut closest);
+                    answers.iter_mut().zip(&closest).for_each(|(answer, hit)| *answer = Answer::hit(*hit));
+                }
+                Question::Stochastic | Question::Samples => {
+                    let accept =
+                        |ray: usize, hit: &Hit| scene.accepts(seeds[ray], hit.triangle, hit.u, hit.v);
+                    tree.closest_of_packet(rays, accept, &mut closest);
+                    answers.iter_mut().zip(&closest).for_each(|(answer, hit)| *answer = Answer::hit(*hit));
+                }
+                Question::Layers => {
+                    layers.iter_mut().for_each(Vec::clear);
+                    tree.traverse_packet(rays, |ray, hit| {
+                        let alpha = scene.alpha(hit.triangle, hit.u, hit.v);
+                        layers[ray].push(Layer { t: hit.t, triangle: hit.triangle, alpha });
+                        if alpha >= 1.0 { hit.t } else { f32::INFINITY }
+                    });
+                    answers
+                        .iter_mut()
+                        .zip(&mut layers)
+                        .for_each(|(answer, layers)| *answer = composite(layers));
+                }
+                Question::Shadow => {
+                    let mut transmittances = [1.0; TILE];
+                    tree.traverse_packet(rays, |ray, hit| {
+                        let transmittance = &mut transmittances[ray];
+                        *transmittance *= 1.0 - scene.alpha(hit.triangle, hit.u, hit.v);
+                        if *transmittance < LEAST_TRANSMITTANCE { f32::NEG_INFINITY } else { f32::INFINITY }
+                    });
+                    for (answer, &value) in answers.iter_mut().zip(&transmittances) {
+                        *answer = Answer { value, index: 0 };
+                    }
+                }
+            }
         }
     }
 }
