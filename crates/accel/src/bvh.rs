@@ -169,8 +169,8 @@ impl Bvh {
     }
 
     /// [`Self::closest`] for rays that run close to one another, see [`Self::traverse_packet`]. Replaces the
-    /// content of `closest` by the nearest hit of each ray that `accept` takes; `accept` gets the index of the
-    /// ray with its hit.
+    /// content of `closest` by the nearest hit of each ray that `accept` takes; `accept` gets the index of
+    /// the ray with its hit.
     #[inline]
     pub fn closest_of_packet(
         &self,

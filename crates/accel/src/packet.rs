@@ -3,14 +3,14 @@
 //! A packet descends the tree once, as in Wald et al., *Interactive Rendering with Coherent Ray Tracing*
 //! (Eurographics 2001). A node's eight boxes are held against the frustum around all of its rays (Reshetov et
 //! al., *Multi-Level Ray Tracing Algorithm*, SIGGRAPH 2005), a leaf's eight triangles likewise, then each of
-//! those left against the frusta of eight groups of eight rays, and only then rays against the triangle, eight
-//! at a time. What grows with the number of rays is the last step alone.
+//! those left against the frusta of eight groups of eight rays, and only then rays against the triangle,
+//! eight at a time. What grows with the number of rays is the last step alone.
 //!
 //! A frustum is intervals: of origins, of the slopes by which [`Shear`] tilts vertices, and of depths along
 //! the dominant axis (Boulos, Wald and Shirley, *Geometric and Arithmetic Culling Methods for Entire Ray
 //! Packets*, 2006). Each bound is found by the very operations of the triangle test, and rounding is
-//! monotonic: where the interval of a sheared coordinate does not hold 0, no ray of the packet has a vertex on
-//! the other side, to the last bit. So culling needs no slack, and hits are those of single rays. Depths
+//! monotonic: where the interval of a sheared coordinate does not hold 0, no ray of the packet has a vertex
+//! on the other side, to the last bit. So culling needs no slack, and hits are those of single rays. Depths
 //! alone have one, for a hit's `t` is a weighted sum. Rays with one origin, one direction, or neither differ
 //! in the width of intervals only.
 //!
@@ -544,8 +544,8 @@ impl Packet {
         Span::from_origin(lanes, low, high, self.whole.origin[axis].load(lanes))
     }
 
-    /// The vertices of a block's triangles in the axes of the packet, relative to the origin if all rays share
-    /// it, and the lanes of the triangles that are in reach.
+    /// The vertices of a block's triangles in the axes of the packet, relative to the origin if all rays
+    /// share it, and the lanes of the triangles that are in reach.
     #[inline(always)]
     fn reach_block<L: Lanes, P: Placement>(
         &self,
