@@ -8,6 +8,7 @@ use sheer_image::{Image, Pixel, Planes};
 
 use super::{
     layer_filter, layered, samples,
+    tile::{PixelRay, TILE_SIDE, pixels_of_tile},
     tracer::Tracer,
     workspace::{Byproducts, Nanoseconds},
 };
@@ -35,10 +36,6 @@ pub struct Rendered {
     pub steps: Vec<StepTime>,
 }
 
-/// Rows a task: few enough that 2 to 64 threads share a frame evenly, enough that neighbouring rays share the
-/// cache.
-const BAND_ROWS: u32 = 8;
-
 /// Renders a frame with a method of any family.
 pub(super) struct Draw<'a> {
     pub(super) stage: &'a Stage,
@@ -52,43 +49,42 @@ impl Visitor for Draw<'_> {
 
     fn threshold(self, method: &impl Threshold) -> Self::Output {
         let (tables, hybrid) = (Tables::get(), self.hybrid);
+        let find = |tracer: &mut Tracer<'_>, rays: &[PixelRay], counters: &mut Counters| {
+            tracer.first_kept(method, &tables, rays, counters)
+        };
         if self.splits_layers().is_some() {
-            return self.bands(|tracer, at, counters| {
-                let choose = layered::by_threshold(method, &tables, at);
-                tracer.layered(at, counters, choose, |tracer, ray, counters| {
-                    tracer.first_kept(method, &tables, at, ray, None, counters)
-                })
+            let choose = layered::by_threshold(method, &tables);
+            return self.tiles(|tracer, tile, counters, pixels| {
+                tracer.layered(tile, counters, pixels, &choose, find);
             });
         }
-        self.bands(|tracer, at, counters| {
-            tracer.stochastic(hybrid, at, counters, |tracer, ray, after, counters| {
-                tracer.first_kept(method, &tables, at, ray, after, counters)
-            })
+        self.tiles(|tracer, tile, counters, pixels| {
+            tracer.stochastic(hybrid, tile, counters, pixels, find);
         })
     }
 
     fn selection(self, method: &impl Selection) -> Self::Output {
         let (tables, hybrid) = (Tables::get(), self.hybrid);
         let FrameSettings { run: Settings { seed, .. }, frame, .. } = *self.settings;
+        let threshold = |at: [u32; 2]| method.threshold(at, frame, seed, &tables);
+        let find = |tracer: &mut Tracer<'_>, rays: &[PixelRay], counters: &mut Counters| {
+            tracer.first_exceeding(threshold, rays, counters)
+        };
         if let Some(LayerSplit { least_share }) = self.splits_layers() {
-            return self.bands(|tracer, at, counters| {
-                let threshold = method.threshold(at, frame, seed, &tables);
-                let choose = layered::by_selection(threshold, least_share);
-                tracer.layered(at, counters, choose, |tracer, ray, counters| {
-                    tracer.first_exceeding(threshold, ray, None, counters)
-                })
+            let choose = layered::by_selection(threshold, least_share);
+            return self.tiles(|tracer, tile, counters, pixels| {
+                tracer.layered(tile, counters, pixels, &choose, find);
             });
         }
-        self.bands(|tracer, at, counters| {
-            let threshold = method.threshold(at, frame, seed, &tables);
-            tracer.stochastic(hybrid, at, counters, |tracer, ray, after, counters| {
-                tracer.first_exceeding(threshold, ray, after, counters)
-            })
+        self.tiles(|tracer, tile, counters, pixels| {
+            tracer.stochastic(hybrid, tile, counters, pixels, find);
         })
     }
 
     fn ordered(self, method: &impl OrderedCompositing) -> Self::Output {
-        self.bands(|tracer, at, counters| tracer.composite_in_order(method, at, counters))
+        self.tiles(|tracer, tile, counters, pixels| {
+            tracer.composite_in_order(method, tile, counters, pixels);
+        })
     }
 
     fn unordered(self, method: &impl UnorderedCompositing) -> Self::Output {
@@ -96,8 +92,8 @@ impl Visitor for Draw<'_> {
         let pass_names = (0..method.pass_count()).map(|pass| method.pass_name(pass));
         let filter = method.layer_filter();
         let (stage, [width, height]) = (self.stage, self.settings.run.size);
-        let (mut rendered, byproducts) = self.timed_bands(|tracer, at, counters| {
-            tracer.composite_unordered(method, &offsets, filter.is_some(), at, counters)
+        let (mut rendered, byproducts) = self.timed_tiles(|tracer, tile, counters, pixels| {
+            tracer.composite_unordered(method, &offsets, filter.is_some(), tile, counters, pixels);
         })?;
         let names = iter::once("gather").chain(pass_names).chain(["composite"]);
         let Nanoseconds { gather, passes, composite } = byproducts.nanoseconds;
@@ -125,19 +121,19 @@ impl Draw<'_> {
         self.settings.layers.filter(|_| self.hybrid == Hybrid::NONE)
     }
 
-    /// Calls `trace` for every pixel, in parallel.
-    fn bands(
+    /// Calls `trace` for every tile, in parallel: with the columns and rows of its pixels, and with where
+    /// they go, in the same order.
+    fn tiles(
         self,
-        trace: impl Fn(&mut Tracer<'_>, [u32; 2], &mut Counters) -> Pixel + Sync,
+        trace: impl Fn(&mut Tracer<'_>, &[[u32; 2]], &mut Counters, &mut Vec<Pixel>) + Sync,
     ) -> Result<Rendered, RenderError> {
-        Ok(self.timed_bands(trace)?.0)
+        Ok(self.timed_tiles(trace)?.0)
     }
 
-    /// Calls `trace` for every pixel, in parallel, and adds up what the pixels leave behind beside
-    /// themselves.
-    fn timed_bands(
+    /// Calls `trace` for every tile, in parallel, and adds up what the pixels leave behind beside themselves.
+    fn timed_tiles(
         self,
-        trace: impl Fn(&mut Tracer<'_>, [u32; 2], &mut Counters) -> Pixel + Sync,
+        trace: impl Fn(&mut Tracer<'_>, &[[u32; 2]], &mut Counters, &mut Vec<Pixel>) + Sync,
     ) -> Result<(Rendered, Byproducts), RenderError> {
         let [width, height] = self.settings.run.size;
         let planes = if self.settings.layers.is_some() { Planes::with_layers } else { Planes::new };
@@ -146,18 +142,19 @@ impl Draw<'_> {
         let FrameSettings { run: Settings { seed, shadow, .. }, frame, .. } = self.settings;
         let shadows = Shadows::new(self.stage, shadow, *frame, *seed)?;
         let (counters, byproducts) = self.stage.pool().install(|| {
-            let bands = planes.par_bands_mut(BAND_ROWS);
+            // A row of tiles a task: few enough that 2 to 64 threads share a frame evenly.
+            let bands = planes.par_bands_mut(TILE_SIDE);
             let costs = bands.map(|mut band| {
                 let mut tracer = Tracer::new(self.stage, self.settings, &shadows, self.correction);
                 let mut counters = Counters::default();
-                // Squares, not rows: their rays stay together.
-                for left in (0..width).step_by(BAND_ROWS as usize) {
-                    for row in 0..band.height() {
-                        for x in left..(left + BAND_ROWS).min(width) {
-                            tracer.pixel_at = [x, band.y + row];
-                            let pixel = trace(&mut tracer, [x, band.y + row], &mut counters);
-                            band.set(x, row, pixel);
-                        }
+                let (mut tile, mut pixels) = (Vec::new(), Vec::new());
+                for left in (0..width).step_by(TILE_SIDE as usize) {
+                    tile.clear();
+                    tile.extend(pixels_of_tile([left, band.y], [width, height]));
+                    pixels.clear();
+                    trace(&mut tracer, &tile, &mut counters, &mut pixels);
+                    for (&[x, y], &pixel) in tile.iter().zip(&pixels) {
+                        band.set(x, y - band.y, pixel);
                     }
                 }
                 (counters, tracer.byproducts)

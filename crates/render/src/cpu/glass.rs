@@ -12,7 +12,7 @@ use sheer_accel::{Hit, Ray};
 use sheer_core::colour::Premul;
 use sheer_scene::{CameraRay, Transmitted};
 
-use super::tracer::{Tracer, is_behind};
+use super::{tracer::Tracer, workspace::is_behind};
 use crate::{contract::MIN_ALPHA, cost::Counters};
 
 /// What coloured glass does to light.

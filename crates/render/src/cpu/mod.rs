@@ -11,6 +11,7 @@ mod ordered;
 mod samples;
 pub mod shade;
 mod single_fragment;
+mod tile;
 mod tracer;
 mod transparency;
 mod unordered;

@@ -1,14 +1,15 @@
 //! How the families of one shaded fragment find it.
 
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 use sheer_accel::Hit;
 use sheer_core::{colour::Premul, coverage::Correction};
 use sheer_image::Pixel;
 use sheer_scene::CameraRay;
 
 use super::{
-    tracer::{Tracer, is_behind},
-    workspace::Layer,
+    tile::PixelRay,
+    tracer::Tracer,
+    workspace::{NearLayers, is_behind},
 };
 use crate::{
     contract::{Hybrid, MIN_VISIBILITY, Site, Tables, Threshold, keeps},
@@ -23,23 +24,26 @@ pub(super) struct Found {
 }
 
 impl Tracer<'_> {
-    /// One ray, one shaded fragment: the one that `find` finds, the background if none. With a hybrid, after
-    /// the exact fragments.
+    /// One ray, one shaded fragment a pixel: the one that `find` finds, the background if none. With a
+    /// hybrid, after the exact fragments.
     pub(super) fn stochastic(
         &mut self,
         hybrid: Hybrid,
-        at: [u32; 2],
+        tile: &[[u32; 2]],
         counters: &mut Counters,
-        find: impl FnOnce(&mut Self, &CameraRay, Option<Hit>, &mut Counters) -> Found,
-    ) -> Pixel {
-        let sample = self.sample(at);
-        let camera_ray = self.camera_ray(sample);
+        pixels: &mut Vec<Pixel>,
+        find: impl Fn(&mut Self, &[PixelRay], &mut Counters) -> Vec<Found>,
+    ) {
+        let rays = self.pixel_rays(tile);
         if hybrid.visibility < 1.0 {
-            return self.hybrid(hybrid, sample, &camera_ray, counters, find);
+            return self.hybrid(hybrid, &rays, counters, pixels, find);
         }
-        let Found { hit, transparent } = find(self, &camera_ray, None, counters);
-        let colour = self.seen(&camera_ray, hit.as_ref(), counters);
-        self.pixel(colour, sample, &camera_ray, hit.as_ref(), transparent)
+        let found = find(self, &rays, counters);
+        for (ray, Found { hit, transparent }) in rays.iter().zip(found) {
+            self.pixel_at = ray.at;
+            let colour = self.seen(&ray.camera, hit.as_ref(), counters);
+            pixels.push(self.pixel(colour, ray.sample, &ray.camera, hit.as_ref(), transparent));
+        }
     }
 
     /// The nearest fragments exactly, what is left of the visibility by what `find` finds behind them (STD
@@ -47,36 +51,53 @@ impl Tracer<'_> {
     fn hybrid(
         &mut self,
         hybrid: Hybrid,
-        sample: Vec2,
-        camera_ray: &CameraRay,
+        rays: &[PixelRay],
         counters: &mut Counters,
-        find: impl FnOnce(&mut Self, &CameraRay, Option<Hit>, &mut Counters) -> Found,
-    ) -> Pixel {
+        pixels: &mut Vec<Pixel>,
+        find: impl Fn(&mut Self, &[PixelRay], &mut Counters) -> Vec<Found>,
+    ) {
         // Not below the baseline's end, so that a share of 0 is the baseline to the bit.
         let share = hybrid.visibility.max(MIN_VISIBILITY);
         let most = hybrid.layers.map_or(usize::MAX, |layers| layers as usize);
-        let enough = |count, visibility| visibility <= share || count == most;
-        let ended = self.gather_front(camera_ray, None, Correction::NONE, enough, counters);
-        let mut rgb = Vec3::ZERO;
-        let mut visibility = 1.0;
-        for layer in &self.layers {
-            rgb += visibility * layer.alpha * self.shade_through_glass(camera_ray, &layer.hit, counters);
-            visibility = layer.visibility;
+        let enough = |_, count, visibility| visibility <= share || count == most;
+        let near = self.gather_near(rays, Correction::NONE, enough, counters);
+
+        // One ray more where something is left to be seen.
+        let last_visible = |near: &NearLayers| {
+            near.layers.last().copied().filter(|last| near.ended && last.visibility > MIN_VISIBILITY)
+        };
+        let behind: Vec<PixelRay> = rays
+            .iter()
+            .zip(&near)
+            .filter_map(|(ray, near)| Some(PixelRay { after: Some(last_visible(near)?.hit), ..*ray }))
+            .collect();
+        let mut rests = find(self, &behind, counters).into_iter();
+
+        for (ray, near) in rays.iter().zip(&near) {
+            self.pixel_at = ray.at;
+            let camera_ray = &ray.camera;
+            let mut rgb = Vec3::ZERO;
+            let mut visibility = 1.0;
+            for layer in &near.layers {
+                rgb += visibility * layer.alpha * self.shade_through_glass(camera_ray, &layer.hit, counters);
+                visibility = layer.visibility;
+            }
+            let mut transparent = near.layers.iter().any(|layer| layer.alpha < 1.0);
+            // Front to back: the last fragment gives depth and motion, the background none.
+            let mut last = near.layers.last().filter(|_| near.ended).map(|layer| layer.hit);
+            let mut colour = Premul { rgb, alpha: 1.0 - visibility };
+            if !near.ended {
+                colour = colour.over(self.background_through_glass(camera_ray, counters));
+            } else if last_visible(near).is_some() {
+                counters.merged += u64::from(visibility > share);
+                let rest = rests.next().expect("a ray was traced for each pixel that shows a rest");
+                transparent |= rest.transparent;
+                last = rest.hit;
+                colour = colour.over(self.seen(camera_ray, last.as_ref(), counters));
+            }
+            pixels.push(self.pixel(colour, ray.sample, camera_ray, last.as_ref(), transparent));
         }
-        let mut transparent = self.layers.iter().any(|layer| layer.alpha < 1.0);
-        // Front to back: the last fragment gives depth and motion, the background none.
-        let mut last = self.layers.last().filter(|_| ended).map(|layer| layer.hit);
-        let mut colour = Premul { rgb, alpha: 1.0 - visibility };
-        if !ended {
-            colour = colour.over(self.background_through_glass(camera_ray, counters));
-        } else if visibility > MIN_VISIBILITY {
-            counters.merged += u64::from(visibility > share);
-            let rest = find(self, camera_ray, last, counters);
-            transparent |= rest.transparent;
-            last = rest.hit;
-            colour = colour.over(self.seen(camera_ray, last.as_ref(), counters));
-        }
-        self.pixel(colour, sample, camera_ray, last.as_ref(), transparent)
+        self.near_layers = near;
     }
 
     /// A hit taken as opaque, or the background, through all glass in front of it.
@@ -95,98 +116,86 @@ impl Tracer<'_> {
         )
     }
 
-    /// The nearest hit behind `after` whose alpha reaches its threshold (STD Listings 3 and 4).
+    /// For each ray the nearest hit whose alpha reaches its threshold (STD Listings 3 and 4).
     pub(super) fn first_kept(
         &self,
         method: &impl Threshold,
         tables: &Tables,
-        at: [u32; 2],
-        camera_ray: &CameraRay,
-        after: Option<Hit>,
+        rays: &[PixelRay],
         counters: &mut Counters,
-    ) -> Found {
+    ) -> Vec<Found> {
         let mut tested = 0;
         // Nearest hit that is neither opaque nor nothing: it makes the pixel a transparent one, kept or not.
-        let mut nearest_partial = f32::INFINITY;
-        let hit = self.stage.bvh().closest(&self.ray_from(camera_ray, after), |hit| {
-            if after.is_some_and(|after| !is_behind(hit, &after)) {
+        let mut nearest_partial: Vec<Option<Hit>> = vec![None; rays.len()];
+        let mut hits = Vec::new();
+        let accept = |index: usize, hit: &Hit| {
+            let ray = &rays[index];
+            if ray.after.is_some_and(|after| !is_behind(hit, &after)) {
                 return false;
             }
             tested += 1;
             let alpha = self.correction.coverage(self.alpha(hit));
             if alpha > 0.0 && alpha < 1.0 {
-                nearest_partial = nearest_partial.min(hit.t);
+                let nearest = &mut nearest_partial[index];
+                *nearest = nearest.filter(|nearest| is_behind(hit, nearest)).or(Some(*hit));
             }
-            keeps(alpha, || method.threshold(&self.site(method, at, camera_ray, hit), tables))
-        });
-        counters.camera_rays += 1;
+            keeps(alpha, || method.threshold(&self.site(method, ray.at, &ray.camera, hit), tables))
+        };
+        self.stage.bvh().closest_of_packet(&self.rays_left(rays), accept, &mut hits);
+        counters.camera_rays += rays.len() as u64;
         counters.hits += tested;
-        let transparent = hit.map_or(nearest_partial < f32::INFINITY, |hit| nearest_partial <= hit.t);
-        Found { hit, transparent }
+        let found = |(hit, partial): (Option<Hit>, Option<Hit>)| Found {
+            hit,
+            transparent: partial.is_some_and(|partial| hit.is_none_or(|hit| !is_behind(&partial, &hit))),
+        };
+        hits.into_iter().zip(nearest_partial).map(found).collect()
     }
 
-    /// The hit behind `after` with which the coverage accumulated from there first exceeds a threshold.
+    /// For each ray the hit with which the coverage accumulated from its beginning first exceeds the
+    /// threshold of its pixel.
     pub(super) fn first_exceeding(
         &mut self,
-        threshold: f32,
-        camera_ray: &CameraRay,
-        after: Option<Hit>,
+        threshold: impl Fn([u32; 2]) -> f32,
+        rays: &[PixelRay],
         counters: &mut Counters,
-    ) -> Found {
-        let exceeds = |_, visibility: f32| 1.0 - visibility > threshold;
-        let exceeded = self.gather_front(camera_ray, after, self.correction, exceeds, counters);
-        Found {
-            hit: self.layers.last().filter(|_| exceeded).map(|layer| layer.hit),
-            transparent: self.layers.iter().any(|layer| layer.alpha < 1.0),
-        }
+    ) -> Vec<Found> {
+        let thresholds: Vec<f32> = rays.iter().map(|ray| threshold(ray.at)).collect();
+        let exceeds = |ray: usize, _, visibility: f32| 1.0 - visibility > thresholds[ray];
+        let near = self.gather_near(rays, self.correction, exceeds, counters);
+        let found = |near: &NearLayers| Found {
+            hit: near.layers.last().filter(|_| near.ended).map(|layer| layer.hit),
+            transparent: near.layers.iter().any(|layer| layer.alpha < 1.0),
+        };
+        let found = near.iter().take(rays.len()).map(found).collect();
+        self.near_layers = near;
+        found
     }
 
-    /// Fills `layers` with the hits behind `after`, front to back, up to the first with which it is `enough`:
-    /// a predicate of their count and of the visibility behind them that stays true as the one grows and the
-    /// other falls. False if it never is enough. Their alpha is the corrected one.
+    /// For each ray its hits, front to back, up to the first with which it is `enough`: a predicate of the
+    /// ray's index, of their count and of the visibility behind them, see [`NearLayers::add`]. Their alpha is
+    /// the corrected one. There may be more elements than rays. The caller gives the memory back.
     ///
-    /// One traversal. A hit found late, in front of others, can only lower the visibility behind each of
-    /// these, rounding included, so the end known so far is never nearer than the true one: what lies behind
-    /// it is dropped at once and bounds the ray, and nothing is lost.
-    pub(super) fn gather_front(
+    /// One traversal for all.
+    pub(super) fn gather_near(
         &mut self,
-        camera_ray: &CameraRay,
-        after: Option<Hit>,
+        rays: &[PixelRay],
         correction: Correction,
-        enough: impl Fn(usize, f32) -> bool,
+        enough: impl Fn(usize, usize, f32) -> bool,
         counters: &mut Counters,
-    ) -> bool {
-        let mut layers = std::mem::take(&mut self.layers);
-        layers.clear();
-        let mut ended = false;
+    ) -> Vec<NearLayers> {
+        let mut near = std::mem::take(&mut self.near_layers);
+        near.iter_mut().for_each(NearLayers::clear);
+        near.resize_with(near.len().max(rays.len()), Default::default);
         let mut tested = 0;
-        self.stage.bvh().traverse(&self.ray_from(camera_ray, after), |hit| {
-            let is_new = after.is_none_or(|after| is_behind(&hit, &after));
+        self.stage.bvh().traverse_packet(&self.rays_left(rays), |index, hit| {
+            let is_new = rays[index].after.is_none_or(|after| is_behind(&hit, &after));
             let alpha = if is_new { correction.coverage(self.alpha(&hit)) } else { 0.0 };
             tested += u64::from(is_new);
-            let index = layers.partition_point(|layer| is_behind(&hit, &layer.hit));
-            let is_dropped = ended && index == layers.len();
-            if alpha > 0.0 && !is_dropped {
-                let mut visibility = if index == 0 { 1.0 } else { layers[index - 1].visibility };
-                let mut count = index;
-                layers.insert(index, Layer { hit, alpha, visibility });
-                let end = layers[index..].iter_mut().position(|layer| {
-                    visibility *= 1.0 - layer.alpha;
-                    layer.visibility = visibility;
-                    count += 1;
-                    enough(count, visibility)
-                });
-                if let Some(end) = end {
-                    ended = true;
-                    layers.truncate(index + end + 1);
-                }
-            }
-            layers.last().filter(|_| ended).map_or(f32::INFINITY, |layer| layer.hit.t)
+            near[index].add(hit, alpha, |count, visibility| enough(index, count, visibility))
         });
-        counters.camera_rays += 1;
+        counters.camera_rays += rays.len() as u64;
         counters.hits += tested;
-        self.layers = layers;
-        ended
+        near
     }
 
     pub(super) fn site(&self, method: &impl Threshold, at: [u32; 2], ray: &CameraRay, hit: &Hit) -> Site {

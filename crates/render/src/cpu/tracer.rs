@@ -7,7 +7,7 @@ use sheer_core::{colour::Premul, coverage::Correction};
 use sheer_image::{Pixel, PixelLayers};
 use sheer_scene::{CameraPose, CameraRay, FaceSide, PixelBeam};
 
-use super::workspace::{Byproducts, Layer, Workspace};
+use super::workspace::{Byproducts, NearLayers, Workspace};
 use crate::{
     contract::{Fragment, MIN_ALPHA, PixelSite},
     settings::{Background, FrameSettings},
@@ -15,12 +15,12 @@ use crate::{
     stage::Stage,
 };
 
-/// Traces pixels of a frame. One a task; holds what a pixel needs for the time being.
+/// Traces pixels of a frame. One a task; holds what a tile needs for the time being.
 pub(super) struct Tracer<'a> {
     pub(super) stage: &'a Stage,
     pub(super) settings: &'a FrameSettings,
     pub(super) shadows: &'a Shadows,
-    /// Column and row of the pixel that is being traced.
+    /// Column and row of the pixel that is being shaded.
     pub(super) pixel_at: [u32; 2],
     /// The curve from opacity to the coverage that is held against a threshold.
     pub(super) correction: Correction,
@@ -32,7 +32,8 @@ pub(super) struct Tracer<'a> {
     pub(super) has_glass: bool,
     pub(super) workspace: Workspace,
     pub(super) byproducts: Byproducts,
-    pub(super) layers: Vec<Layer>,
+    /// One a ray of a tile; memory that is kept.
+    pub(super) near_layers: Vec<NearLayers>,
 }
 
 impl<'a> Tracer<'a> {
@@ -53,7 +54,7 @@ impl<'a> Tracer<'a> {
             has_glass: stage.frame().tints_light(),
             workspace: Workspace::default(),
             byproducts: Byproducts::default(),
-            layers: Vec::new(),
+            near_layers: Vec::new(),
         }
     }
 
@@ -145,12 +146,6 @@ impl<'a> Tracer<'a> {
         Ray { origin, direction, t_min: nearest, t_max: furthest }
     }
 
-    /// The ray from a hit on, inclusively: there may be a second one at its depth.
-    pub(super) fn ray_from(&self, ray: &CameraRay, after: Option<Hit>) -> Ray {
-        let ray = self.ray(ray);
-        Ray { t_min: after.map_or(ray.t_min, |hit| hit.t), ..ray }
-    }
-
     /// Whether the side of the surface is seen that its vertices go around clockwise.
     pub(super) fn is_back(&self, hit: &Hit) -> bool {
         self.stage.frame().side(hit.triangle, hit.front) == FaceSide::Back
@@ -205,11 +200,6 @@ impl<'a> Tracer<'a> {
         let cosine = ray.direction.dot(camera.forward());
         camera.view_depth(ray.origin) + hit.t * cosine
     }
-}
-
-/// Whether a hit lies behind another in the order of all hits: by depth, then triangle.
-pub(super) fn is_behind(hit: &Hit, other: &Hit) -> bool {
-    (hit.t, hit.triangle) > (other.t, other.triangle)
 }
 
 /// A camera inside the scene sees things as near as you like; depths are distinguished from this share of the

@@ -9,8 +9,9 @@ use sheer_image::Pixel;
 
 use super::{
     samples::SampleOffsets,
-    tracer::{Tracer, is_behind},
-    workspace::{Gathered, SampleHit, Workspace},
+    tile::TILE_SIDE,
+    tracer::Tracer,
+    workspace::{Gathered, PixelFragments, SampleHit, Workspace, is_behind},
 };
 use crate::{
     contract::{MIN_VISIBILITY, Retrace, UnorderedCompositing},
@@ -36,96 +37,125 @@ impl Tracer<'_> {
         method: &M,
         offsets: &SampleOffsets,
         keeps_layer: bool,
-        at: [u32; 2],
+        tile: &[[u32; 2]],
         counters: &mut Counters,
-    ) -> Pixel {
+        pixels: &mut Vec<Pixel>,
+    ) {
+        // As many pixels at a time as fill a tile with their rays.
+        let pixel_count = ((TILE_SIDE * TILE_SIDE) as usize / offsets.len()).max(1);
+        for places in tile.chunks(pixel_count) {
+            self.composite_pixels(method, offsets, keeps_layer, places, counters, pixels);
+        }
+    }
+
+    /// The same for pixels whose rays are traced together.
+    fn composite_pixels<M: UnorderedCompositing>(
+        &mut self,
+        method: &M,
+        offsets: &SampleOffsets,
+        keeps_layer: bool,
+        places: &[[u32; 2]],
+        counters: &mut Counters,
+        pixels: &mut Vec<Pixel>,
+    ) {
         let mut work = std::mem::take(&mut self.workspace);
         let start = Instant::now();
-        work.rays.clear();
-        work.rays.extend(offsets.iter().map(|&offset| self.camera_ray(self.centre(at) + offset)));
-        self.gather_fragments(&mut work, method.samples().all(), counters);
+        work.pixels.resize_with(work.pixels.len().max(places.len()), Default::default);
+        for (seen, &at) in work.pixels.iter_mut().zip(places) {
+            seen.rays.clear();
+            seen.rays.extend(offsets.iter().map(|&offset| self.camera_ray(self.centre(at) + offset)));
+        }
+        let mut going_on: Vec<usize> = (0..places.len()).collect();
+        self.gather_fragments(&mut work, &going_on, method.samples().all(), counters);
         self.byproducts.nanoseconds.gather += since(start);
 
-        let mut pixel = method.begin(&self.pixel_site(at));
+        let mut states: Vec<M::Pixel> = places.iter().map(|&at| method.begin(&self.pixel_site(at))).collect();
         self.byproducts.nanoseconds.passes.resize(method.pass_count(), 0);
         for pass in 0..method.pass_count() {
             let start = Instant::now();
-            if method.begin_pass(&mut pixel, pass).is_break() {
+            going_on.retain(|&index| method.begin_pass(&mut states[index], pass).is_continue());
+            if going_on.is_empty() {
                 break;
             }
             if pass > 0 && method.retrace() == Retrace::On {
-                self.gather_fragments(&mut work, method.samples().all(), counters);
+                self.gather_fragments(&mut work, &going_on, method.samples().all(), counters);
             }
-            let ray_count = work.rays.len();
-            let _ = work.fragments.iter().try_for_each(|gathered| {
-                let depths = &work.depths[gathered.first_depth as usize..][..ray_count];
-                let fragment = self.fragment(&gathered.hit, gathered.alpha, gathered.coverage, depths);
-                let ray = &work.rays[gathered.ray as usize];
-                method.add(&mut pixel, pass, &fragment, || {
-                    self.shade_through_glass(ray, &gathered.hit, counters)
-                })
-            });
+            for &index in &going_on {
+                self.pixel_at = places[index];
+                let PixelFragments { rays, fragments, depths, .. } = &work.pixels[index];
+                let _ = fragments.iter().try_for_each(|gathered| {
+                    let depths = &depths[gathered.first_depth as usize..][..rays.len()];
+                    let fragment = self.fragment(&gathered.hit, gathered.alpha, gathered.coverage, depths);
+                    let ray = &rays[gathered.ray as usize];
+                    method.add(&mut states[index], pass, &fragment, || {
+                        self.shade_through_glass(ray, &gathered.hit, counters)
+                    })
+                });
+            }
             self.byproducts.nanoseconds.passes[pass] += since(start);
         }
 
         let start = Instant::now();
-        counters.merged += u64::from(method.merged_count(&pixel));
-        let (colour, shows_background) = self.over_background(method, &pixel, &work, counters);
-        let transparent = !work.fragments.is_empty();
-        if keeps_layer && transparent {
-            self.byproducts.layer.push((at, layer(method, &pixel)));
+        for ((&at, state), seen) in places.iter().zip(&states).zip(&work.pixels) {
+            self.pixel_at = at;
+            counters.merged += u64::from(method.merged_count(state));
+            let (colour, shows_background) = self.over_background(method, state, seen, counters);
+            let transparent = !seen.fragments.is_empty();
+            if keeps_layer && transparent {
+                self.byproducts.layer.push((at, layer(method, state)));
+            }
+            let furthest = seen
+                .fragments
+                .iter()
+                .map(|gathered| gathered.hit)
+                .reduce(|far, hit| if is_behind(&hit, &far) { hit } else { far });
+            let last = if shows_background { seen.opaque[0] } else { furthest };
+            let sample = self.centre(at) + offsets[0];
+            pixels.push(self.pixel(colour, sample, &seen.rays[0], last.as_ref(), transparent));
         }
-        let furthest = work
-            .fragments
-            .iter()
-            .map(|gathered| gathered.hit)
-            .reduce(|far, hit| if is_behind(&hit, &far) { hit } else { far });
-        let last = if shows_background { work.opaque[0] } else { furthest };
-        let sample = self.centre(at) + offsets[0];
-        let result = self.pixel(colour, sample, &work.rays[0], last.as_ref(), transparent);
         self.byproducts.nanoseconds.composite += since(start);
         self.workspace = work;
-        result
     }
 
-    /// Fills `fragments`, `depths` and `opaque` from `rays`. `all` is the mask of all samples, which one ray
-    /// may have in common.
-    fn gather_fragments(&self, work: &mut Workspace, all: u64, counters: &mut Counters) {
-        let Workspace { rays, hits, opaque, fragments, depths, .. } = work;
-        hits.clear();
-        opaque.clear();
-        for (index, ray) in (0..).zip(&*rays) {
-            let first = hits.len();
-            let mut nearest: Option<Hit> = None;
-            self.stage.bvh().traverse(&self.ray(ray), |hit| {
-                let alpha = self.alpha(&hit);
-                if alpha >= 1.0 {
-                    nearest = nearest.filter(|nearest| is_behind(&hit, nearest)).or(Some(hit));
-                } else if alpha > 0.0 {
-                    hits.push(SampleHit { hit, alpha, ray: index });
-                }
-                nearest.map_or(f32::INFINITY, |hit| hit.t)
-            });
-            if let Some(nearest) = nearest {
-                let mut kept = first;
-                for at in first..hits.len() {
-                    if is_behind(&nearest, &hits[at].hit) {
-                        hits[kept] = hits[at];
-                        kept += 1;
-                    }
-                }
-                hits.truncate(kept);
-            }
-            opaque.push(nearest);
+    /// Fills `fragments`, `depths` and `opaque` of some pixels from their `rays`. `all` is the mask of all
+    /// samples, which one ray may have in common.
+    fn gather_fragments(&self, work: &mut Workspace, pixels: &[usize], all: u64, counters: &mut Counters) {
+        let Workspace { pixels: seen, hits, .. } = work;
+        let mut rays = Vec::new();
+        let mut owners = Vec::new();
+        for &pixel in pixels {
+            let PixelFragments { rays: own, opaque, fragments, depths } = &mut seen[pixel];
+            opaque.clear();
+            opaque.resize(own.len(), None);
+            fragments.clear();
+            depths.clear();
+            rays.extend(own.iter().map(|ray| self.ray(ray)));
+            owners.extend((0..own.len() as u32).map(|ray| (pixel as u32, ray)));
         }
+        hits.clear();
+        self.stage.bvh().traverse_packet(&rays, |index, hit| {
+            let (pixel, ray) = owners[index];
+            let nearest = &mut seen[pixel as usize].opaque[ray as usize];
+            let alpha = self.alpha(&hit);
+            if alpha >= 1.0 {
+                *nearest = nearest.filter(|nearest| is_behind(&hit, nearest)).or(Some(hit));
+            } else if alpha > 0.0 {
+                hits.push(SampleHit { hit, alpha, pixel, ray });
+            }
+            nearest.map_or(f32::INFINITY, |hit| hit.t)
+        });
+        hits.retain(|found| {
+            let nearest = seen[found.pixel as usize].opaque[found.ray as usize];
+            nearest.is_none_or(|nearest| is_behind(&nearest, &found.hit))
+        });
         counters.camera_rays += rays.len() as u64;
         counters.hits += hits.len() as u64;
 
-        hits.sort_unstable_by_key(|found| (found.hit.triangle, found.ray));
-        fragments.clear();
-        depths.clear();
-        for of_triangle in hits.chunk_by(|a, b| a.hit.triangle == b.hit.triangle) {
-            let SampleHit { hit, alpha, ray } = of_triangle[0];
+        hits.sort_unstable_by_key(|found| (found.pixel, found.hit.triangle, found.ray));
+        let is_one = |a: &SampleHit, b: &SampleHit| (a.pixel, a.hit.triangle) == (b.pixel, b.hit.triangle);
+        for of_triangle in hits.chunk_by(is_one) {
+            let SampleHit { hit, alpha, pixel, ray } = of_triangle[0];
+            let PixelFragments { rays, fragments, depths, .. } = &mut seen[pixel as usize];
             let first_depth = depths.len();
             depths.resize(first_depth + rays.len(), f32::INFINITY);
             let mut coverage = if rays.len() == 1 { all } else { 0 };
@@ -143,24 +173,24 @@ impl Tracer<'_> {
         &self,
         method: &M,
         pixel: &M::Pixel,
-        work: &Workspace,
+        PixelFragments { rays, opaque, .. }: &PixelFragments,
         counters: &mut Counters,
     ) -> (Premul, bool) {
         let sample_count = method.samples().count as usize;
         let share = 1.0 / sample_count as f32;
         let mut colour = Premul { rgb: method.resolve(pixel), alpha: 1.0 };
         let mut shows_background = false;
-        for (index, (hit, ray)) in work.opaque.iter().zip(&work.rays).enumerate() {
+        for (index, (hit, ray)) in opaque.iter().zip(rays).enumerate() {
             let triangle = hit.map(|hit| hit.triangle);
             let shares_triangle = |other: &Option<Hit>| other.map(|hit| hit.triangle) == triangle;
-            if work.opaque[..index].iter().any(shares_triangle) {
+            if opaque[..index].iter().any(shares_triangle) {
                 continue;
             }
             // Samples of one ray have their background in common, samples of one surface its shading. What
             // glass leaves of it differs from ray to ray.
-            let is_one_ray = work.rays.len() == 1;
+            let is_one_ray = rays.len() == 1;
             let mut transmittance = Vec3::ZERO;
-            for (at, (other, ray)) in work.opaque.iter().zip(&work.rays).enumerate() {
+            for (at, (other, ray)) in opaque.iter().zip(rays).enumerate() {
                 if !shares_triangle(other) {
                     continue;
                 }
