@@ -342,7 +342,7 @@ pub struct Texture {
 }
 
 /// Texture behaviour outside [0, 1].
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Wrap {
     /// The texture is tiled.
     #[default]

@@ -12,10 +12,14 @@ use std::{
 use glam::{Vec2, Vec4};
 use rayon::prelude::*;
 
-use self::mip_chain::{AlphaUse, Level};
+use self::{
+    alpha_map::AlphaMap,
+    mip_chain::{AlphaUse, Level},
+};
 pub use self::{decoding::decode_tables, mip_chain::MipChain};
 use crate::model::{AlphaMode, Filter, LevelFilter, Minification, SceneParts, Texture, Wrap};
 
+mod alpha_map;
 mod decoding;
 mod mip_chain;
 
@@ -33,6 +37,8 @@ pub const LEAST_GAP: f32 = 0.01;
 #[derive(Clone, Debug)]
 pub(crate) struct Sampler {
     chain: Arc<MipChain>,
+    /// For textures whose alpha materials ask for, unless they are mirrored.
+    alpha_map: Option<Arc<AlphaMap>>,
     decode: &'static [f32; 256],
     wrap: [Wrap; 2],
     filter: Filter,
@@ -68,15 +74,20 @@ fn owners(parts: &SceneParts, alpha_uses: &[AlphaUse]) -> Vec<usize> {
 }
 
 /// Bytes that levels will take beyond those of one chain for each image: the same image is another one for
-/// each cutoff that its alpha is tested against.
+/// each cutoff that its alpha is tested against, and has a map of its alpha for each way to wrap it.
 pub(crate) fn level_bytes(parts: &SceneParts) -> u64 {
     let owners = owners(parts, &alpha_uses(parts));
-    let mut seen = HashSet::new();
-    let is_further =
-        |index: &usize| owners[*index] == *index && !seen.insert(Arc::as_ptr(&parts.textures[*index].image));
-    // A byte of alpha, and a third of five below.
-    let bytes = |index: usize| 3 * parts.textures[index].image.as_slice().len() as u64;
-    (0..parts.textures.len()).filter(is_further).map(bytes).fold(0, u64::saturating_add)
+    let (mut images, mut chains, mut maps) = (HashSet::new(), HashSet::new(), HashSet::new());
+    let bytes = |(index, texture): (usize, &Texture)| {
+        let texels = texture.image.as_slice().len() as u64;
+        let is_new_image = images.insert(Arc::as_ptr(&texture.image));
+        let is_new_chain = chains.insert(owners[index]);
+        let is_new_map = maps.insert((owners[index], texture.wrap));
+        // A byte of alpha, and a third of five below.
+        let of_chain = if is_new_chain && !is_new_image { 3 * texels } else { 0 };
+        of_chain + if is_new_map && !is_new_chain { AlphaMap::TEXEL_BYTES * texels } else { 0 }
+    };
+    parts.textures.iter().enumerate().map(bytes).fold(0, u64::saturating_add)
 }
 
 /// Samplers of all textures. Textures share levels that are the same.
@@ -95,8 +106,17 @@ pub(crate) fn samplers(parts: &SceneParts) -> Vec<Sampler> {
             })
         })
         .collect();
-    let chain = |owner: usize| chains[owner].clone().expect("an owner has made its chain");
-    parts.textures.iter().zip(owners).map(|(texture, owner)| Sampler::new(texture, chain(owner))).collect()
+    let chain = |owner: usize| chains[owner].as_ref().expect("an owner has made its chain");
+    // Maps are shared, too, by those that are wrapped alike.
+    let mut maps: HashMap<(usize, [Wrap; 2]), Option<Arc<AlphaMap>>> = HashMap::new();
+    let samplers = parts.textures.iter().zip(owners).zip(alpha_uses).map(|((texture, owner), alpha_use)| {
+        let chain = chain(owner);
+        let make_map = || AlphaMap::new(chain, texture.wrap).map(Arc::new);
+        let map = (alpha_use != AlphaUse::None)
+            .then(|| maps.entry((owner, texture.wrap)).or_insert_with(make_map).clone());
+        Sampler::new(texture, Arc::clone(chain), map.flatten())
+    });
+    samplers.collect()
 }
 
 /// What materials use the alpha of each texture for. A test comes before anything else, and of several tests
@@ -183,9 +203,10 @@ fn floor(value: f32) -> i32 {
 }
 
 impl Sampler {
-    fn new(texture: &Texture, chain: Arc<MipChain>) -> Self {
+    fn new(texture: &Texture, chain: Arc<MipChain>, alpha_map: Option<Arc<AlphaMap>>) -> Self {
         Self {
             chain,
+            alpha_map,
             decode: &decode_tables()[usize::from(texture.srgb)],
             wrap: texture.wrap,
             filter: texture.filter,
@@ -248,28 +269,32 @@ impl Sampler {
     }
 
     /// Alpha, 0 to 1, with a footprint as wide as it is long, texels.
-    #[inline]
     pub(crate) fn sample_alpha(&self, uv: Vec2, footprint: f32) -> f32 {
         if footprint > 1.0 {
-            return self.minified_alpha(uv, footprint);
+            let (level, weight) = self.levels_of(footprint);
+            let alpha = self.alpha_at(level, uv, self.minification.filter);
+            if weight == 0.0 {
+                return alpha;
+            }
+            alpha + (self.alpha_at(level + 1, uv, self.minification.filter) - alpha) * weight
+        } else {
+            self.alpha_at(0, uv, self.filter)
         }
-        self.level_alpha(0, uv, self.filter)
     }
 
-    fn minified_alpha(&self, uv: Vec2, footprint: f32) -> f32 {
-        let (level, weight) = self.levels_of(footprint);
-        let alpha = self.level_alpha(level, uv, self.minification.filter);
-        if weight == 0.0 {
-            return alpha;
-        }
-        alpha + (self.level_alpha(level + 1, uv, self.minification.filter) - alpha) * weight
+    #[inline(always)]
+    fn alpha_at(&self, level: u32, uv: Vec2, filter: Filter) -> f32 {
+        let mapped = self.alpha_map.as_ref().and_then(|map| map.at(level, uv, filter));
+        mapped.unwrap_or_else(|| self.level_alpha(level, uv, filter))
     }
 
-    #[inline]
+    /// The plain evaluation of alpha at a point of a level.
+    #[cold]
     fn level_alpha(&self, level: u32, uv: Vec2, filter: Filter) -> f32 {
         let level = &self.chain.levels()[level as usize];
+        let texels = level.texels.as_slice();
         let ([a, b, c, d], [fx, fy]) = self.around(level, uv, filter);
-        let texel = |index: usize| f32::from(level.alpha[index]);
+        let texel = |index: usize| f32::from(texels[index][3]);
         let upper = texel(a) + (texel(b) - texel(a)) * fx;
         let lower = texel(c) + (texel(d) - texel(c)) * fx;
         (upper + (lower - upper) * fy) * (1.0 / 255.0)
@@ -302,6 +327,7 @@ impl Sampler {
 
 #[cfg(test)]
 mod tests {
+    use sheer_core::hash::{Pcg32, pcg3d};
     use sheer_image::Image;
 
     use super::*;
@@ -322,8 +348,113 @@ mod tests {
     }
 
     fn of(texture: Texture) -> Sampler {
-        let parts = SceneParts { textures: vec![texture], ..SceneParts::default() };
+        let blended = Material {
+            base_colour_texture: Some(TextureRef::new(0)),
+            alpha_mode: AlphaMode::Blend,
+            ..Material::default()
+        };
+        let parts = SceneParts { textures: vec![texture], materials: vec![blended], ..SceneParts::default() };
         samplers(&parts).remove(0)
+    }
+
+    /// Whether lookups through the map of a sampler give the bits of the plain evaluation, at random places,
+    /// near texels' middles and edges, far away and nowhere.
+    fn map_is_plain(sampler: &Sampler, seed: u32) -> bool {
+        let plain = Sampler { alpha_map: None, ..sampler.clone() };
+        let mut random = Pcg32::new(seed.into(), 1);
+        let size = sampler.size();
+        (0..3000).all(|index| {
+            let spread = [1.0, 2.0, 40.0, 1e5, 1e9][index % 5];
+            let mut uv = Vec2::new(random.range(-spread, spread), random.range(-spread, spread));
+            if index % 3 == 0 {
+                uv = ((uv * size * 2.0).round() * 0.5) / size;
+            }
+            if index % 100 == 0 {
+                uv.x = [f32::NAN, f32::INFINITY, -0.0, f32::MIN_POSITIVE][index / 100 % 4];
+            }
+            let footprint =
+                [0.0, 1.0, random.range(1.0, 3.0), random.range(1.0, 300.0), f32::NAN][index / 5 % 5];
+            let [mapped, plain] = [sampler, &plain].map(|sampler| sampler.sample_alpha(uv, footprint));
+            mapped.to_bits() == plain.to_bits() || mapped.is_nan() && plain.is_nan()
+        })
+    }
+
+    #[test]
+    fn maps_of_alpha_give_the_bits_of_the_plain_evaluation() {
+        let levels = [LevelFilter::Linear, LevelFilter::Nearest, LevelFilter::None];
+        let filters = [Filter::Linear, Filter::Nearest];
+        let wraps = [Wrap::Repeat, Wrap::ClampToEdge, Wrap::MirroredRepeat];
+        for (seed, [width, height]) in (0..).zip([[32, 32], [37, 5], [1, 9], [64, 1], [1, 1], [48, 16]]) {
+            let texel = |x: u32, y: u32| [pcg3d([x, y, seed])[0] as u8; 4];
+            let image = Arc::new(Image::from_fn(width, height, texel).unwrap());
+            for (u, v) in wraps.into_iter().flat_map(|u| wraps.map(|v| (u, v))) {
+                for (filter, levels) in
+                    filters.into_iter().flat_map(|filter| levels.map(|levels| (filter, levels)))
+                {
+                    let sampler = of(Texture {
+                        name: String::new(),
+                        image: Arc::clone(&image),
+                        srgb: true,
+                        wrap: [u, v],
+                        filter,
+                        minification: Minification { filter, levels },
+                    });
+                    let is_mirrored = [u, v].contains(&Wrap::MirroredRepeat);
+                    assert_eq!(sampler.alpha_map.is_none(), is_mirrored);
+                    assert!(
+                        map_is_plain(&sampler, seed),
+                        "{width}×{height} {u:?} {v:?} {filter:?} {levels:?}"
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_map_that_is_wrapped_otherwise_is_found() {
+        let texture = |wrap| Texture {
+            name: String::new(),
+            image: Arc::new(Image::from_fn(37, 5, |x, y| [pcg3d([x, y, 7])[0] as u8; 4]).unwrap()),
+            srgb: true,
+            wrap,
+            filter: Filter::Linear,
+            minification: Minification::default(),
+        };
+        let repeated = of(texture([Wrap::Repeat; 2]));
+        for wrap in [[Wrap::ClampToEdge, Wrap::Repeat], [Wrap::Repeat, Wrap::ClampToEdge]] {
+            let wrong = Sampler { alpha_map: of(texture(wrap)).alpha_map, ..repeated.clone() };
+            assert!(!map_is_plain(&wrong, 1), "{wrap:?}");
+        }
+    }
+
+    #[test]
+    fn textures_share_maps_that_are_the_same_and_have_none_that_nobody_asks_for() {
+        let image = Arc::new(Image::filled(4, 4, [255; 4]).unwrap());
+        let texture = |wrap| Texture {
+            name: String::new(),
+            image: Arc::clone(&image),
+            srgb: true,
+            wrap: [wrap; 2],
+            filter: Filter::Linear,
+            minification: Minification::default(),
+        };
+        let material = |texture| Material {
+            base_colour_texture: Some(TextureRef::new(texture)),
+            alpha_mode: AlphaMode::Blend,
+            ..Material::default()
+        };
+        let wraps = [Wrap::Repeat, Wrap::Repeat, Wrap::ClampToEdge, Wrap::Repeat];
+        let parts = SceneParts {
+            textures: wraps.map(texture).to_vec(),
+            materials: (0..3).map(material).collect(),
+            ..SceneParts::default()
+        };
+        let samplers = samplers(&parts);
+        let map = |index: usize| samplers[index].alpha_map.as_ref();
+        assert!(Arc::ptr_eq(map(0).unwrap(), map(1).unwrap()));
+        assert!(!Arc::ptr_eq(map(0).unwrap(), map(2).unwrap()) && map(3).is_none());
+        // A second chain, for the use without alpha, and a second map.
+        assert_eq!(level_bytes(&parts), 16 * (2 + 3));
     }
 
     #[test]
