@@ -450,6 +450,45 @@ fn particles_face_the_camera_live_and_die_and_keep_their_identity() {
 }
 
 #[test]
+fn particles_are_where_they_were_in_the_frame_before_however_that_is_known() {
+    // They come, go, start anew and fade before a camera that moves through them.
+    let mut parts = particles();
+    let system = &mut parts.particles[0];
+    let first = system.particles[0];
+    system.particles = (0..90)
+        .map(|index| Particle {
+            birth_secs: index as f32 * 0.037,
+            lifetime_secs: 0.3 + (index % 7) as f32 * 0.2,
+            origin: Vec3::new((index % 9) as f32 - 4.0, (index % 5) as f32 - 2.0, (index % 11) as f32),
+            spin_rad_per_sec: index as f32 * 0.1,
+            ..first
+        })
+        .collect();
+    system.loop_secs = Some(2.5);
+    system.near_fade = [3.0, 0.5];
+    let key = |time_secs, z| CameraKey { time_secs, eye: Vec3::new(0.2, 0.1, z), target: Vec3::NEG_Z };
+    parts.cameras[0].motion = CameraMotion::Path { keys: vec![key(0.0, 14.0), key(3.0, 4.0)] };
+
+    let lists = |frame: &Frame| (frame.triangles().to_vec(), frame.previous_moving().to_vec());
+    let mut played = animator(parts.clone());
+    let mut counts = Vec::new();
+    for (time_secs, previous_secs) in
+        [(0.1, 0.0), (0.2, 0.1), (0.3, 0.2), (0.3, 0.3), (1.1, 0.4), (1.4, 1.1), (1.2, 1.4)]
+    {
+        let alone = lists(animator(parts.clone()).advance(time_secs, previous_secs));
+        let played = lists(played.advance(time_secs, previous_secs));
+        counts.push(alone.1.len());
+        assert_eq!(played, alone, "{time_secs} after {previous_secs}");
+    }
+    counts.sort_unstable();
+    counts.dedup();
+    assert!(counts.len() > 3, "quads come and go: {counts:?}");
+    // The camera alone makes the quads elsewhere.
+    let turned = lists(played.advance(1.2, 1.1));
+    assert_ne!(turned.1, turned.0[turned.0.len() - turned.1.len()..]);
+}
+
+#[test]
 fn a_made_up_view_holds_the_whole_scene_and_fills_the_picture() {
     let transform = Transform::from_translation(Vec3::new(40.0, -3.0, 7.0));
     let animator = animator(parts_with(quad(), Material::default(), transform));

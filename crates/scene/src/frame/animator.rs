@@ -20,7 +20,7 @@ use super::{
 use crate::{
     camera::{Camera, CameraPose},
     model::{LightKind, SceneParts, TextureRef},
-    particle::ParticleSystem,
+    particle::{ParticleState, ParticleSystem},
     scene::Scene,
 };
 
@@ -33,7 +33,34 @@ pub struct Animator {
     /// Instances that move or change their opacity and whose triangles are stored, in the order of these.
     moving: Vec<u32>,
     first_particle_id: u32,
+    /// The quads of each particle system in the frame, ascending by their index.
+    quads: Vec<Vec<Quad>>,
     frame: Frame,
+}
+
+/// A living particle.
+#[derive(Clone, Debug)]
+struct Quad {
+    /// Its index in the system.
+    index: usize,
+    alpha: f32,
+    /// Unit axes in which u grows and v falls, world.
+    axes: (Vec3, Vec3),
+    /// In world, those of the lower edge first, counter-clockwise seen from the camera.
+    corners: [Vec3; 4],
+    /// The same in the previous frame.
+    previous_corners: [Vec3; 4],
+}
+
+/// Where quads were in the previous frame.
+#[derive(Clone, Copy)]
+enum Before<'a> {
+    /// Where they are.
+    Here,
+    /// Where the frame had them that the animator showed last.
+    AsShown(&'a [Quad]),
+    /// That has to be worked out.
+    Elsewhere,
 }
 
 impl Animator {
@@ -90,7 +117,8 @@ impl Animator {
             is_still: true,
         };
         let first_particle_id = parts.instances.iter().map(|instance| instance.id + 1).max().unwrap_or(0);
-        let mut animator = Self { camera, own_pose: None, moving, first_particle_id, frame };
+        let mut animator =
+            Self { camera, own_pose: None, moving, first_particle_id, quads: Vec::new(), frame };
         let pose = NodePose::at(parts, 0.0);
         for index in still {
             animator.emit_instance(&pose, index);
@@ -126,6 +154,7 @@ impl Animator {
     /// Moves to a time; motion vectors will point to where things were at `previous_secs`.
     pub fn advance(&mut self, time_secs: f32, previous_secs: f32) -> &Frame {
         let scene = Arc::clone(&self.frame.scene);
+        let (shown_secs, shown_camera) = (self.frame.time_secs, self.frame.camera);
         self.frame.time_secs = time_secs;
         let pose_at = |time_secs| camera_pose(scene.parts(), &self.camera, time_secs);
         (self.frame.camera, self.frame.previous_camera) = match self.own_pose {
@@ -167,9 +196,18 @@ impl Animator {
             instance.move_to(before, now);
         }
 
+        let is_same = previous_secs == time_secs && self.frame.previous_camera == self.frame.camera;
+        let was_shown = previous_secs == shown_secs && self.frame.previous_camera == shown_camera;
+        let mut shown = std::mem::take(&mut self.quads).into_iter();
         let mut next_id = self.first_particle_id;
         for system in &scene.parts().particles {
-            self.emit_particles(system, next_id, time_secs, previous_secs);
+            let shown = shown.next();
+            let before = match &shown {
+                _ if is_same => Before::Here,
+                Some(quads) if was_shown => Before::AsShown(quads),
+                _ => Before::Elsewhere,
+            };
+            self.emit_particles(system, next_id, time_secs, previous_secs, before);
             next_id += system.particles.len() as u32;
         }
         self.frame.lights.clear();
@@ -272,11 +310,19 @@ impl Animator {
     }
 
     /// Appends the living particles of a system.
-    fn emit_particles(&mut self, system: &ParticleSystem, first_id: u32, time_secs: f32, previous_secs: f32) {
+    fn emit_particles(
+        &mut self,
+        system: &ParticleSystem,
+        first_id: u32,
+        time_secs: f32,
+        previous_secs: f32,
+        before: Before<'_>,
+    ) {
         let scene = Arc::clone(&self.frame.scene);
         let material = &self.frame.materials()[system.material as usize].clone();
         let (camera, previous_camera) = (self.frame.camera, self.frame.previous_camera);
-        let quads: Vec<_> = (0..system.particles.len())
+        let count = system.particles.len();
+        let quads: Vec<Quad> = (0..count)
             .into_par_iter()
             .filter_map(|index| {
                 let particle = system.state_at(index, time_secs)?;
@@ -284,43 +330,70 @@ impl Animator {
                 if alpha <= 0.0 {
                     return None;
                 }
-                let (right, up) = quad_axes(&camera, particle.rotation_rad);
-                let corners =
-                    quad_corners(particle.centre, right * particle.half_size, up * particle.half_size);
-                let before = system.state_at(index, previous_secs).map_or(corners, |particle| {
-                    let (right, up) = quad_axes(&previous_camera, particle.rotation_rad);
-                    quad_corners(particle.centre, right * particle.half_size, up * particle.half_size)
+                let axes = quad_axes(&camera, particle.rotation_rad);
+                let corners = quad_corners(&particle, axes);
+                let known = match before {
+                    Before::Here => Some(corners),
+                    Before::AsShown(quads) => find(quads, index, count).map(|quad| quad.corners),
+                    Before::Elsewhere => None,
+                };
+                let previous_corners = known.unwrap_or_else(|| {
+                    system.state_at(index, previous_secs).map_or(corners, |particle| {
+                        quad_corners(&particle, quad_axes(&previous_camera, particle.rotation_rad))
+                    })
                 });
-                Some((index, alpha, right, up, corners, before))
+                Some(Quad { index, alpha, axes, corners, previous_corners })
             })
             .collect();
 
+        // Each list by itself: the numbers of what is appended are known.
         let frame = &mut self.frame;
-        for (index, alpha, right, up, corners, before) in quads {
-            let particle = &system.particles[index];
+        let first_number = frame.next_number();
+        let first_object = frame.objects.len() as u32;
+        let first_slot = tint_flag(material) | frame.opacities.len() as u32;
+        let triangles = || (0..2 * quads.len()).into_par_iter().with_min_len(LEAST_TASK);
+        frame.triangles.par_extend(triangles().map(|place| half(&quads[place / 2].corners, place % 2)));
+        let previous = triangles().map(|place| half(&quads[place / 2].previous_corners, place % 2));
+        frame.previous_moving.par_extend(previous);
+        frame.triangle_object.par_extend(triangles().map(|place| first_object + place as u32 / 2));
+        frame.opacity_slot.par_extend(triangles().map(|place| first_slot + place as u32));
+        frame.opacities.par_extend(triangles().map(|place| {
+            let quad = &quads[place / 2];
+            let (tile_origin, tile_size) = system.tile(system.particles[quad.index].tile);
+            let uvs = |_: &TextureRef| QUAD_UVS[place % 2].map(|local| tile_origin + local * tile_size);
+            let density = |uvs: &[Vec2; 3], texture: u32| {
+                texel_density(&half(&quad.corners, place % 2), uvs, scene.samplers()[texture as usize].size())
+            };
+            TriangleOpacity::new(material, [quad.alpha; 3], uvs, density)
+        }));
+        let objects = quads.par_iter().enumerate().with_min_len(LEAST_TASK);
+        frame.objects.par_extend(objects.map(|(place, quad)| {
+            let particle = &system.particles[quad.index];
             let (tile_origin, tile_size) = system.tile(particle.tile);
-            let object = Object {
-                id: first_id + index as u32,
+            let (right, up) = quad.axes;
+            Object {
+                id: first_id + quad.index as u32,
                 geometry: 0,
                 material: system.material,
-                first_triangle: frame.next_number(),
+                first_triangle: first_number + 2 * place as u32,
                 look: Look::Quad { right, up, tile_origin, tile_size, tint: particle.tint },
-            };
-            for (half, local) in QUAD_UVS.iter().enumerate() {
-                let uvs = |_: &TextureRef| local.map(|local| tile_origin + local * tile_size);
-                frame.triangles.push(corners[half]);
-                frame.previous_moving.push(before[half]);
-                frame.triangle_object.push(frame.objects.len() as u32);
-                frame.opacity_slot.push(tint_flag(material) | frame.opacities.len() as u32);
-                let density = |uvs: &[Vec2; 3], texture: u32| {
-                    texel_density(&corners[half], uvs, scene.samplers()[texture as usize].size())
-                };
-                frame.opacities.push(TriangleOpacity::new(material, [alpha; 3], uvs, density));
             }
-            frame.objects.push(object);
-        }
+        }));
+        self.quads.push(quads);
     }
 }
+
+/// The quad of a particle of a system of so many among those that live, which are ascending by their index.
+fn find(quads: &[Quad], index: usize, count: usize) -> Option<&Quad> {
+    // As many places before its index, at most, as there are particles that do not live.
+    let first = (index + quads.len()).saturating_sub(count);
+    let near = quads.get(first..quads.len().min(index + 1))?;
+    let place = near.partition_point(|quad| quad.index < index);
+    near.get(place).filter(|quad| quad.index == index)
+}
+
+/// Triangles of particles that a task appends at least.
+const LEAST_TASK: usize = 1024;
 
 fn lights_at<'a>(
     parts: &'a SceneParts,
@@ -374,9 +447,13 @@ fn quad_axes(camera: &CameraPose, rotation_rad: f32) -> (Vec3, Vec3) {
     (right * cos + up * sin, up * cos - right * sin)
 }
 
-/// Two triangles, counter-clockwise seen from the camera, corners in the order of [`QUAD_UVS`].
-fn quad_corners(centre: Vec3, right: Vec3, up: Vec3) -> [[Vec3; 3]; 2] {
-    let (low_left, low_right) = (centre - right - up, centre + right - up);
-    let (high_right, high_left) = (centre + right + up, centre - right + up);
-    [[low_left, low_right, high_right], [low_left, high_right, high_left]]
+/// Lower left, lower right, upper right, upper left.
+fn quad_corners(particle: &ParticleState, (right, up): (Vec3, Vec3)) -> [Vec3; 4] {
+    let (centre, right, up) = (particle.centre, right * particle.half_size, up * particle.half_size);
+    [centre - right - up, centre + right - up, centre + right + up, centre - right + up]
+}
+
+/// One of the two triangles of a quad, its corners in the order of [`QUAD_UVS`].
+fn half(&[low_left, low_right, high_right, high_left]: &[Vec3; 4], which: usize) -> [Vec3; 3] {
+    if which == 0 { [low_left, low_right, high_right] } else { [low_left, high_right, high_left] }
 }
