@@ -327,6 +327,23 @@ impl Frame {
         }
     }
 
+    /// No point of a triangle has more opacity than this, which is found without its texture.
+    #[must_use]
+    #[inline]
+    pub fn most_opacity(&self, triangle: u32) -> f32 {
+        /// More than the roundings between the corners and of the texture add up to.
+        const ROUNDING: f32 = 1.0 + 8.0 * f32::EPSILON;
+        let Some(place) = self.stored(triangle) else { return 1.0 };
+        let slot = self.opacity_slot[place];
+        if slot & OPAQUE != 0 {
+            return 1.0;
+        }
+        let entry = &self.opacities[(slot & SLOT) as usize];
+        let [a, b, c] = entry.alpha;
+        let alpha = if entry.cutoff >= 0.0 { 1.0 } else { a.max(b).max(c) * ROUNDING };
+        (alpha * entry.opacity).clamp(0.0, 1.0)
+    }
+
     /// Whether the light that passes a triangle takes its colour.
     #[must_use]
     #[inline]

@@ -450,6 +450,49 @@ fn particles_face_the_camera_live_and_die_and_keep_their_identity() {
 }
 
 #[test]
+fn no_point_of_a_triangle_is_more_opaque_than_its_bound() {
+    let image =
+        Image::from_fn(8, 8, |x, y| [255, 255, 255, if (x + y) % 3 == 0 { 255 } else { 90 }]).unwrap();
+    let texture = Texture {
+        name: String::new(),
+        image: Arc::new(image),
+        srgb: true,
+        wrap: [Wrap::Repeat; 2],
+        filter: Default::default(),
+        minification: Default::default(),
+    };
+    let colours: Vec<Vec4> = [0.3, 0.9, 0.1, 0.5].map(|alpha| Vec4::new(1.0, 1.0, 1.0, alpha)).into();
+    let modes = [AlphaMode::Blend, AlphaMode::Mask { cutoff: 0.2 }, AlphaMode::Opaque];
+    for (mode, textured, opacity) in
+        modes.into_iter().flat_map(|mode| [(mode, false, 1.0), (mode, true, 1.0), (mode, true, 0.6)])
+    {
+        let material = Material {
+            alpha_mode: mode,
+            base_colour: Vec4::new(1.0, 1.0, 1.0, 0.8),
+            base_colour_texture: textured.then(|| TextureRef::new(0)),
+            opacity,
+            ..Material::default()
+        };
+        let mesh = Mesh { colours: colours.clone(), ..quad() };
+        let mut parts = parts_with(mesh, material, Transform::IDENTITY);
+        parts.textures = vec![texture.clone()];
+        let animator = animator(parts);
+        let frame = animator.frame();
+        for triangle in 0..2 {
+            let bound = frame.most_opacity(triangle);
+            let weights =
+                (0..=20).flat_map(|u| (0..=20 - u).map(move |v| (u as f32 / 20.0, v as f32 / 20.0)));
+            let most = weights.map(|(u, v)| frame.opacity(triangle, u, v, 0.0)).fold(0.0, f32::max);
+            // And no bound is far from what is there: textures and cut-outs are opaque somewhere.
+            assert!(
+                most <= bound && bound <= most * 1.01,
+                "{mode:?} {textured} {opacity}: {most} of {bound}"
+            );
+        }
+    }
+}
+
+#[test]
 fn particles_are_where_they_were_in_the_frame_before_however_that_is_known() {
     // They come, go, start anew and fade before a camera that moves through them.
     let mut parts = particles();

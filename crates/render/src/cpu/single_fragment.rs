@@ -127,6 +127,8 @@ impl Tracer<'_> {
         let mut tested = 0;
         // Nearest hit that is neither opaque nor nothing: it makes the pixel a transparent one, kept or not.
         let mut nearest_partial: Vec<Option<Hit>> = vec![None; rays.len()];
+        // Glass has more opacity than its alpha, and a correction may be any curve.
+        let can_bound = !self.has_glass && self.correction == Correction::NONE;
         let mut hits = Vec::new();
         let accept = |index: usize, hit: &Hit| {
             let ray = &rays[index];
@@ -134,12 +136,26 @@ impl Tracer<'_> {
                 return false;
             }
             tested += 1;
+            let threshold = || method.threshold(&self.site(method, ray.at, &ray.camera, hit), tables);
+            let nearest = &mut nearest_partial[index];
+            let mut known = None;
+            // Most hits in smoke are below their threshold wherever in their texture they lie: these need not
+            // be looked up, unless it is they that make the pixel a transparent one.
+            if can_bound && nearest.is_some_and(|nearest| is_behind(hit, &nearest)) {
+                let most = self.stage.frame().most_opacity(hit.triangle);
+                if most < 1.0 {
+                    let threshold = threshold();
+                    if most < threshold {
+                        return false;
+                    }
+                    known = Some(threshold);
+                }
+            }
             let alpha = self.correction.coverage(self.alpha(hit));
             if alpha > 0.0 && alpha < 1.0 {
-                let nearest = &mut nearest_partial[index];
                 *nearest = nearest.filter(|nearest| is_behind(hit, nearest)).or(Some(*hit));
             }
-            keeps(alpha, || method.threshold(&self.site(method, ray.at, &ray.camera, hit), tables))
+            keeps(alpha, || known.unwrap_or_else(&threshold))
         };
         self.stage.bvh().closest_of_packet(&self.rays_left(rays), accept, &mut hits);
         counters.camera_rays += rays.len() as u64;
