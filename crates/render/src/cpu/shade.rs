@@ -227,7 +227,9 @@ fn smoke_phase(surface: &Surface, to_viewer: Vec3, to_light: Vec3) -> Vec3 {
     let wrapped = wrapped.max(0.0) / (1.0 + SMOKE_WRAP);
     let g = SMOKE_ANISOTROPY;
     let cosine = -to_viewer.dot(to_light);
-    let forward = (1.0 - g * g) / (4.0 * (1.0 + g * g - 2.0 * g * cosine).powf(1.5));
+    let nearness = 1.0 + g * g - 2.0 * g * cosine;
+    // nearness^1.5, to two roundings.
+    let forward = (1.0 - g * g) / (4.0 * (nearness * nearness.sqrt()));
     surface.base_colour * (SMOKE_SHARES[0] * wrapped + SMOKE_SHARES[1] * forward) / PI
 }
 
