@@ -26,7 +26,13 @@ pub fn printable(text: &str) -> Cow<'_, str> {
 /// The beginning of a text, [`LONGEST_QUOTE`] characters and an ellipsis at most, [`printable`].
 #[must_use]
 pub fn quoted(text: &str) -> String {
-    match text.char_indices().nth(LONGEST_QUOTE) {
+    beginning(text, LONGEST_QUOTE)
+}
+
+/// The beginning of a text, so many characters and an ellipsis at most, [`printable`].
+#[must_use]
+pub fn beginning(text: &str, most_characters: usize) -> String {
+    match text.char_indices().nth(most_characters) {
         Some((end, _)) => format!("{}…", printable(&text[..end])),
         None => printable(text).into_owned(),
     }
@@ -140,5 +146,6 @@ mod tests {
         let long = "ü".repeat(1_000_000);
         assert_eq!(quoted(&long), format!("{}…", "ü".repeat(LONGEST_QUOTE)));
         assert_eq!(quoted(&"x".repeat(LONGEST_QUOTE)), "x".repeat(LONGEST_QUOTE));
+        assert_eq!(beginning("\x1bß-", 2), "\\u{1b}ß…");
     }
 }

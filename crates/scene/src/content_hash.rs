@@ -99,9 +99,10 @@ fn of_mesh(mesh: &Mesh) -> u64 {
     hash.add_list(indices.len(), indices.as_flattened().iter().map(|index| index.to_le_bytes()));
     hash.add_list(influences.len(), influences.iter().map(|influence| influence.joint.to_le_bytes()));
     hash.add_list(influences.len(), influences.iter().map(|influence| influence.weight.to_le_bytes()));
-    for MorphTarget { positions, normals, colours, uv_sets } in morph_targets {
+    for MorphTarget { positions, normals, tangents, colours, uv_sets } in morph_targets {
         hash.add_vectors(positions.iter().map(|offset| offset.to_array()));
         hash.add_vectors(normals.iter().map(|offset| offset.to_array()));
+        hash.add_vectors(tangents.iter().map(|offset| offset.to_array()));
         hash.add_vectors(colours.iter().map(|offset| offset.to_array()));
         hash.add_described(&uv_sets.len());
         for set in uv_sets {
@@ -155,6 +156,7 @@ mod tests {
             morph_targets: vec![MorphTarget {
                 positions: vec![Vec3::Z; 3],
                 normals: vec![Vec3::X; 3],
+                tangents: vec![Vec3::Y; 3],
                 colours: vec![Vec4::X; 3],
                 uv_sets: vec![vec![Vec2::X; 3]],
             }],
@@ -307,6 +309,7 @@ mod tests {
         ("morphed colour", |parts| parts.meshes[0].morph_targets[0].colours[0].w = 0.1),
         ("morphed texture coordinate", |parts| parts.meshes[0].morph_targets[0].uv_sets[0][0].y = 0.1),
         ("morphed normal", |parts| parts.meshes[0].morph_targets[0].normals[0].y = 0.1),
+        ("morphed tangent", |parts| parts.meshes[0].morph_targets[0].tangents[0].x = 0.1),
         ("displacements taken for normals", |parts| {
             let target = &mut parts.meshes[0].morph_targets[0];
             std::mem::swap(&mut target.positions, &mut target.normals);

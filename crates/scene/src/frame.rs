@@ -23,6 +23,7 @@ mod attribute;
 mod deform;
 mod footprint;
 mod instances;
+mod memory;
 mod pose;
 mod property;
 mod storage;
@@ -38,6 +39,7 @@ pub use animator::{Animator, scene_lights};
 pub(crate) use deform::for_each_vertex_over_time;
 pub use footprint::{HEAD_ON, LEAST_GRAZING};
 pub use instances::{MeshInstance, Sharing};
+pub(crate) use memory::FrameSize;
 pub(crate) use pose::camera_pose;
 pub use storage::{
     Look, MIRRORED, MorphedAttributes, NO_TEXTURE, OPAQUE, Object, SINGLE_SIDED, SLOT, StaticCounts, TINTED,
@@ -468,7 +470,8 @@ impl Frame {
         &self.opacities
     }
 
-    /// World normals of the vertices of skinned and morphed meshes; see [`Look::Deformed`].
+    /// World normals, and directions of tangents, of the vertices of skinned and morphed meshes; see
+    /// [`Look::Deformed`].
     #[must_use]
     pub fn deformed_normals(&self) -> &[Vec3] {
         &self.deformed_normals

@@ -11,7 +11,7 @@ use glam::{Affine3A, DVec2, DVec3, Mat3, Vec3};
 use crate::{
     camera::{Camera, CameraMotion, ClipPlanes, Lens},
     frame::for_each_vertex_over_time,
-    model::{Animation, SceneParts},
+    model::{Animation, Property, SceneParts},
 };
 
 /// Vertical field of view: that of a 50 mm lens would be 27°; a little wider shows more of the form.
@@ -163,7 +163,14 @@ fn moments(parts: &SceneParts) -> Vec<f32> {
     let count = (MOVED_VERTICES / vertex_count.max(1)).clamp(FEWEST_MOMENTS, MOST_MOMENTS);
     // The last moment is just before the end, at which the clip begins anew.
     let last = end_secs.next_down();
-    let mut keys: Vec<f32> = channels().flat_map(|channel| channel.track.times_secs()).copied().collect();
+    // So does what is shown and hidden.
+    let properties = parts.animations.iter().flat_map(|animation| &animation.properties);
+    let shows = properties.filter_map(|property| match property {
+        Property::Visibility { visible, .. } => Some(&visible.times_secs),
+        _ => None,
+    });
+    let moves = channels().flat_map(|channel| channel.track.times_secs());
+    let mut keys: Vec<f32> = moves.chain(shows.flatten()).copied().collect();
     keys.retain(|secs| (0.0..last).contains(secs));
     keys.sort_unstable_by(f32::total_cmp);
     keys.dedup();

@@ -152,7 +152,10 @@ impl Property {
         match self {
             Self::BaseColour { factor, .. } => factor.end_secs(),
             Self::Emissive { factor, strength, .. } => factor.end_secs().max(strength.end_secs()),
-            Self::Factor { value, .. } | Self::Lens { value, .. } => value.end_secs(),
+            Self::Factor { value, .. } | Self::LightShape { value, .. } | Self::Lens { value, .. } => {
+                value.end_secs()
+            }
+            Self::Transmission { share, .. } => share.end_secs(),
             Self::TextureTransform { offset, rotation_rad, scale, .. } => {
                 offset.end_secs().max(rotation_rad.end_secs()).max(scale.end_secs())
             }

@@ -13,6 +13,7 @@ mod frame;
 mod framing;
 mod keys;
 pub mod load;
+mod memory;
 pub mod model;
 pub mod particle;
 mod scene;
@@ -29,6 +30,7 @@ pub use crate::{
     },
     keys::Interpolate,
     load::{LoadOptions, LoadWarning, Loaded, open, open_with},
+    memory::SceneMemory,
     model::SceneParts,
     scene::{CameraChoice, Scene},
     texture::{LEAST_GAP, MOST_PROBES, MipChain, NEXT_LEVEL, decode_tables},

@@ -44,7 +44,7 @@ pub struct SceneParts {
 }
 
 /// One transform of the hierarchy.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Node {
     /// Name for messages; may be empty.
     pub name: String,
@@ -68,6 +68,12 @@ pub enum Transform {
     },
     /// An affine map, which need not be made of scale, rotation and translation.
     Matrix(Affine3A),
+}
+
+impl Default for Transform {
+    fn default() -> Self {
+        Self::IDENTITY
+    }
 }
 
 impl Transform {
@@ -104,8 +110,8 @@ pub struct Mesh {
     pub positions: Vec<Vec3>,
     /// Unit vertex normals; none: flat shading.
     pub normals: Vec<Vec3>,
-    /// Unit tangents with the bitangent's sign in w (glTF); none, or a mesh that is skinned or morphed:
-    /// derived from the texture coordinates where a normal map needs them.
+    /// Unit tangents with the bitangent's sign in w (glTF), where there are normals; none: derived from the
+    /// texture coordinates where a normal map needs them.
     pub tangents: Vec<Vec4>,
     /// Texture coordinate sets, `TEXCOORD_0` first, each as long as `positions`.
     pub uv_sets: Vec<Vec<Vec2>>,
@@ -131,22 +137,23 @@ pub struct Influence {
     pub weight: f32,
 }
 
-/// Displacements of a mesh's vertices; empty lists do not displace. Tangents need none: those of a mesh that
-/// is morphed follow its positions and texture coordinates.
+/// Displacements of a mesh's vertices; empty lists do not displace.
 #[derive(Clone, Debug, Default)]
 pub struct MorphTarget {
     /// Added to positions, times the weight.
     pub positions: Vec<Vec3>,
     /// Added to normals, times the weight.
     pub normals: Vec<Vec3>,
+    /// Added to the directions of tangents, times the weight; none if the mesh has no tangents.
+    pub tangents: Vec<Vec3>,
     /// Added to colours, times the weight; the sum is clamped to where colours may be.
     pub colours: Vec<Vec4>,
     /// Added to the texture coordinate sets, times the weight; at most as many sets as the mesh has.
     pub uv_sets: Vec<Vec<Vec2>>,
 }
 
-/// A mesh drawn at a node.
-#[derive(Clone, Debug)]
+/// A mesh drawn at a node; by default the first at the first.
+#[derive(Clone, Debug, Default)]
 pub struct Instance {
     /// Where: index into [`SceneParts::nodes`].
     pub node: u32,
@@ -468,6 +475,24 @@ pub enum Property {
         /// Multiplies it; units as [`Light::intensity`].
         intensity: Keys<f32>,
     },
+    /// Replaces the share of the light that a material lets through in its colour.
+    Transmission {
+        /// Index into [`SceneParts::materials`].
+        material: u32,
+        /// [`Material::transmission`]; clamped to where it may be.
+        share: Keys<f32>,
+        /// The share is taken out of the alpha of the base colour, as that at rest has been.
+        lowers_alpha: bool,
+    },
+    /// Replaces a number that shapes the light of lamps.
+    LightShape {
+        /// Indices into [`SceneParts::lights`].
+        lights: Vec<u32>,
+        /// Which number.
+        which: LightNumber,
+        /// Its values; clamped to where they may be.
+        value: Keys<f32>,
+    },
     /// Replaces a number of cameras that hang on nodes.
     Lens {
         /// Indices into [`SceneParts::cameras`].
@@ -499,6 +524,17 @@ pub enum Factor {
     NormalScale,
     /// [`Material::occlusion_strength`].
     OcclusionStrength,
+}
+
+/// A number of a light that can be animated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LightNumber {
+    /// Of a point or a spot.
+    Range,
+    /// Of a spot, radians from the axis.
+    InnerCone,
+    /// Of a spot, radians from the axis.
+    OuterCone,
 }
 
 /// A number of a camera that can be animated.
@@ -550,6 +586,40 @@ pub enum Interpolation {
     Step,
     /// The value follows a cubic Hermite spline with given tangents.
     CubicSpline,
+}
+
+impl LightKind {
+    /// The widest that the cone of a spot may be, from its axis, and the narrowest.
+    const CONES_RAD: [f32; 2] = [1e-4, std::f32::consts::FRAC_PI_2];
+
+    /// Sets a number, as near as it may be; of a kind that lacks it nothing.
+    pub fn set(&mut self, which: LightNumber, value: f32) {
+        match (which, self) {
+            (LightNumber::Range, Self::Point { range } | Self::Spot { range, .. }) => {
+                *range = if value.is_nan() { f32::INFINITY } else { value.max(f32::MIN_POSITIVE) };
+            }
+            (LightNumber::InnerCone, Self::Spot { inner_cone_rad, .. }) => *inner_cone_rad = value.max(0.0),
+            (LightNumber::OuterCone, Self::Spot { outer_cone_rad, .. }) => {
+                let [narrowest, widest] = Self::CONES_RAD;
+                *outer_cone_rad = value.max(narrowest).min(widest);
+            }
+            (
+                LightNumber::Range | LightNumber::InnerCone | LightNumber::OuterCone,
+                Self::Directional | Self::Point { .. },
+            ) => {}
+        }
+    }
+
+    /// The same light, whose inner cone is not wider than the outer one.
+    #[must_use]
+    pub fn with_nested_cones(self) -> Self {
+        match self {
+            Self::Spot { range, inner_cone_rad, outer_cone_rad } => {
+                Self::Spot { range, inner_cone_rad: inner_cone_rad.min(outer_cone_rad), outer_cone_rad }
+            }
+            other => other,
+        }
+    }
 }
 
 /// A light with no extent (`KHR_lights_punctual`).

@@ -10,6 +10,7 @@ use crate::{
     content_hash,
     environment::Environment,
     framing::framing_camera,
+    memory::SceneMemory,
     model::{AlphaMode, Keys, Mesh, Property, SceneParts, Track, Transform},
     texture::{MipChain, Sampler, samplers},
 };
@@ -92,6 +93,12 @@ impl Scene {
         content_hash::of_parts(&self.parts)
     }
 
+    /// What the scene takes in memory until its first ray is traced on the CPU, roughly.
+    #[must_use]
+    pub fn memory(&self) -> SceneMemory {
+        SceneMemory::of(&self.parts)
+    }
+
     /// Lowest and highest corner of a box around everything at rest, world; the cube of side 1 around the
     /// origin if there is nothing.
     #[must_use]
@@ -128,9 +135,13 @@ impl Scene {
         }
         let properties = self.parts.animations.iter_mut().flat_map(|animation| &mut animation.properties);
         for property in properties {
-            if let Property::BaseColour { factor, .. } = property {
-                factor.values.iter_mut().for_each(|colour| colour.w = 0.0);
-                factor.key_values_mut().for_each(|colour| colour.w = 1.0);
+            match property {
+                Property::BaseColour { factor, .. } => {
+                    factor.values.iter_mut().for_each(|colour| colour.w = 0.0);
+                    factor.key_values_mut().for_each(|colour| colour.w = 1.0);
+                }
+                Property::Transmission { lowers_alpha, .. } => *lowers_alpha = false,
+                _ => {}
             }
         }
         self
@@ -280,6 +291,7 @@ fn validate_mesh(mesh: &Mesh, parts: &SceneParts) -> Result<(), String> {
     say(mesh.positions.iter().all(|position| position.is_finite()), "a position is not finite")?;
     say(fits(mesh.normals.len()), "normals and positions differ in number")?;
     say(fits(mesh.tangents.len()), "tangents and positions differ in number")?;
+    say(mesh.tangents.is_empty() || !mesh.normals.is_empty(), "there are tangents without normals")?;
     say(fits(mesh.colours.len()), "colours and positions differ in number")?;
     say(
         mesh.uv_sets.iter().all(|set| set.len() == vertex_count),
@@ -291,7 +303,7 @@ fn validate_mesh(mesh: &Mesh, parts: &SceneParts) -> Result<(), String> {
     say(influence_count == Some(mesh.influences.len()), "joint influences and positions differ in number")?;
     for target in &mesh.morph_targets {
         say(
-            fits(target.positions.len()) && fits(target.normals.len()),
+            fits(target.positions.len()) && fits(target.normals.len()) && fits(target.tangents.len()),
             "a morph target is too short or long",
         )?;
         let uvs = &target.uv_sets;
@@ -300,10 +312,13 @@ fn validate_mesh(mesh: &Mesh, parts: &SceneParts) -> Result<(), String> {
             "a morph target is too short or long",
         )?;
         say(
-            (target.colours.is_empty() || !mesh.colours.is_empty()) && uvs.len() <= mesh.uv_sets.len(),
+            (target.colours.is_empty() || !mesh.colours.is_empty())
+                && (target.tangents.is_empty() || !mesh.tangents.is_empty())
+                && uvs.len() <= mesh.uv_sets.len(),
             "a morph target moves what the mesh does not have",
         )?;
-        let finite = target.positions.iter().chain(&target.normals).all(|delta| delta.is_finite())
+        let vectors = target.positions.iter().chain(&target.normals).chain(&target.tangents);
+        let finite = vectors.into_iter().all(|delta| delta.is_finite())
             && target.colours.iter().all(|delta| delta.is_finite())
             && uvs.iter().flatten().all(|delta| delta.is_finite());
         say(finite, "a morph displacement is not finite")?;
@@ -342,6 +357,7 @@ fn keys_hold<T>(keys: &Keys<T>) -> bool {
 
 fn validate_property(property: &Property, parts: &SceneParts) -> Result<(), String> {
     let material = |index: &u32| (*index as usize) < parts.materials.len();
+    let light = |index: &u32| (*index as usize) < parts.lights.len();
     let (exists, whole) = match property {
         Property::BaseColour { material: index, factor } => (material(index), keys_hold(factor)),
         Property::Emissive { material: index, factor, strength } => {
@@ -351,10 +367,11 @@ fn validate_property(property: &Property, parts: &SceneParts) -> Result<(), Stri
         Property::TextureTransform { material: index, offset, rotation_rad, scale, .. } => {
             (material(index), keys_hold(offset) && keys_hold(rotation_rad) && keys_hold(scale))
         }
+        Property::Transmission { material: index, share, .. } => (material(index), keys_hold(share)),
         Property::LightIntensity { lights, colour, intensity } => {
-            let exist = lights.iter().all(|light| (*light as usize) < parts.lights.len());
-            (exist, keys_hold(colour) && keys_hold(intensity))
+            (lights.iter().all(light), keys_hold(colour) && keys_hold(intensity))
         }
+        Property::LightShape { lights, value, .. } => (lights.iter().all(light), keys_hold(value)),
         Property::Lens { cameras, value, .. } => {
             (cameras.iter().all(|camera| (*camera as usize) < parts.cameras.len()), keys_hold(value))
         }

@@ -17,7 +17,10 @@ use std::{
 use rayon::prelude::*;
 use serde_json::{Value, json};
 use sheer_core::{hash::Pcg32, text::MemorySize};
-use sheer_scene::{LoadOptions, Loaded, SceneError, load::read_gltf};
+use sheer_scene::{
+    LoadOptions, Loaded, SceneError,
+    load::{open_with, read, read_gltf},
+};
 
 /// A sound file, and how often each kind of damage is done to it: less often to what takes long.
 struct Row {
@@ -30,6 +33,26 @@ struct Row {
 /// that it refers to are not there.
 const fn gltf(file: &'static str, rounds: u32) -> Row {
     Row { file, read: read_gltf, rounds }
+}
+
+/// A file of `assets/formats`, which is damaged as it is.
+const fn plain(file: &'static str) -> Row {
+    Row { file, read, rounds: 300 }
+}
+
+/// The materials of an OBJ file that lies beside them, with their image.
+fn read_materials(bytes: &[u8], path: &Path, options: &LoadOptions) -> Result<Loaded, SceneError> {
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["pane.obj", "pane.tga"] {
+        fs::copy(assets("formats").join(name), folder.path().join(name)).unwrap();
+    }
+    fs::write(folder.path().join(path.file_name().unwrap()), bytes).unwrap();
+    open_with(folder.path().join("pane.obj"), options)
+}
+
+/// A folder of the project's files for tests.
+fn assets(folder: &str) -> PathBuf {
+    Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../assets")).join(folder)
 }
 
 /// A format is a row, or a few.
@@ -48,6 +71,13 @@ const ROWS: &[Row] = &[
     gltf("VertexColorTest/VertexColorTest.gltf", 350),
     gltf("pirate-meshopt/pirate.glb", 200),
     gltf("Fox/Fox.gltf", 100),
+    plain("pane.obj"),
+    Row { file: "pane.mtl", read: read_materials, rounds: 300 },
+    plain("pane.ply"),
+    plain("pane-big-endian.ply"),
+    plain("pane.stl"),
+    plain("pane-text.stl"),
+    plain("strands.hair"),
 ];
 
 /// What a damaged file may take; the sound ones take far less.
@@ -66,13 +96,16 @@ struct Seed {
 
 impl Seed {
     fn open(row: &Row) -> Self {
-        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../assets/gltf");
-        let file = Path::new(folder).join(row.file);
+        // Nothing lies beside it.
+        let path = Path::new("nowhere").join(row.file);
+        let file = assets("gltf").join(row.file);
+        if !file.exists() {
+            return Self { path, whole: fs::read(assets("formats").join(row.file)).unwrap(), parts: None };
+        }
         let bytes = fs::read(&file).unwrap();
         let (json, binary) = parts_of(&bytes, file.parent().unwrap());
         let whole = container(&json, &binary);
-        // Nothing lies beside it.
-        Self { path: Path::new("nowhere").join(row.file), whole, parts: Some((json, binary)) }
+        Self { path, whole, parts: Some((json, binary)) }
     }
 }
 

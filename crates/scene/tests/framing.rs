@@ -3,11 +3,12 @@
 
 use std::sync::Arc;
 
-use glam::{Affine3A, Vec2, Vec3};
+use glam::{Vec2, Vec3};
 use sheer_scene::{
     Animator, CameraChoice, CameraPose, Scene,
     model::{
-        Animation, Channel, Instance, Interpolation, Keys, Material, Mesh, Node, SceneParts, Track, Transform,
+        Animation, Channel, Instance, Interpolation, Keys, Material, Mesh, Node, Property, SceneParts, Track,
+        Transform,
     },
     particle::{Particle, ParticleSystem, Turbulence},
 };
@@ -31,16 +32,8 @@ fn box_of(low: Vec3, high: Vec3) -> Mesh {
 fn scene_of(mesh: Mesh, transform: Transform, animations: Vec<Animation>) -> Scene {
     let parts = SceneParts {
         name: "test".to_owned(),
-        nodes: vec![Node { name: String::new(), parent: None, transform }],
-        instances: vec![Instance {
-            node: 0,
-            node_from_object: Affine3A::IDENTITY,
-            mesh: 0,
-            id: 0,
-            geometry: 0,
-            skin: None,
-            morph_weights: Vec::new(),
-        }],
+        nodes: vec![Node { transform, ..Node::default() }],
+        instances: vec![Instance::default()],
         meshes: vec![mesh],
         materials: vec![Material::default()],
         animations,
@@ -91,6 +84,33 @@ fn a_model_fits_into_pictures_of_every_shape() {
             check_framed(&scene, &[0.0], size, &format!("{name} in {size:?}"));
         }
     }
+}
+
+#[test]
+fn what_is_never_shown_takes_no_place_and_what_is_shown_once_has_it() {
+    let far = Transform::from_translation(Vec3::X * 40.0);
+    let shown = |keys: &[(f32, f32)]| {
+        let mut parts =
+            scene_of(box_of(Vec3::ZERO, Vec3::ONE), Transform::IDENTITY, Vec::new()).parts().clone();
+        parts.nodes.push(Node { transform: far, ..Node::default() });
+        parts.instances.push(Instance { node: 1, id: 1, ..Instance::default() });
+        let visible = Keys {
+            times_secs: keys.iter().map(|(time, _)| *time).collect(),
+            values: keys.iter().map(|(_, value)| *value).collect(),
+            interpolation: Interpolation::Step,
+        };
+        let properties = vec![Property::Visibility { node: 1, visible }];
+        parts.animations = vec![Animation { properties, ..Animation::default() }];
+        Scene::new(parts).unwrap()
+    };
+    let size = [960, 540];
+    check_framed(&shown(&[(0.0, 0.0)]), &[0.0], size, "hidden for ever");
+    check_framed(
+        &shown(&[(0.0, 0.0), (1.0, 1.0), (1.001, 0.0), (9.0, 0.0)]),
+        &[0.0, 1.0],
+        size,
+        "shown once",
+    );
 }
 
 #[test]

@@ -1,11 +1,13 @@
 //! What a scene holds, for people and for programs.
 
-use std::fmt::Write as _;
+use std::{collections::HashMap, fmt::Write as _, sync::Arc};
 
 use glam::Vec3;
 use serde::Serialize;
+use sheer_core::text::beginning;
+use sheer_image::Image;
 use sheer_scene::{
-    Camera, CameraChoice, Lens, Loaded, Scene,
+    Camera, CameraChoice, Lens, Loaded, Scene, SceneMemory,
     load::Contents,
     model::{AlphaMode, LightKind, Material, Mesh, ShadingModel},
     scene_lights,
@@ -59,14 +61,18 @@ struct Counts {
     images: usize,
 }
 
-/// Bytes, roughly.
+/// Bytes, as [`SceneMemory`] has them.
 #[derive(Debug, Serialize)]
 struct Memory {
-    geometry: usize,
-    /// With the smaller versions that are looked up from afar.
-    textures: usize,
-    /// Triangles where they are drawn, and the hierarchy over them.
-    frame: usize,
+    geometry: u64,
+    textures: u64,
+    frame: u64,
+}
+
+impl From<SceneMemory> for Memory {
+    fn from(SceneMemory { geometry, textures, frame }: SceneMemory) -> Self {
+        Self { geometry, textures, frame }
+    }
 }
 
 #[derive(Debug, Serialize)]
@@ -146,7 +152,7 @@ impl Inspection {
             format: format.clone(),
             counts: Counts::of(scene),
             bounds: scene.bounds().map(Into::into),
-            memory: Memory::of(scene),
+            memory: Memory::from(scene.memory()),
             extensions: extensions
                 .iter()
                 .map(|extension| Extension {
@@ -329,8 +335,7 @@ impl Counts {
         let parts = scene.parts();
         let triangles = |mesh: &Mesh| mesh.indices.len();
         let drawn = parts.instances.iter().map(|instance| triangles(&parts.meshes[instance.mesh as usize]));
-        let mut images: Vec<_> =
-            parts.textures.iter().map(|texture| std::sync::Arc::as_ptr(&texture.image)).collect();
+        let mut images: Vec<_> = parts.textures.iter().map(|texture| Arc::as_ptr(&texture.image)).collect();
         images.sort_unstable();
         images.dedup();
         Self {
@@ -346,45 +351,6 @@ impl Counts {
             materials: parts.materials.len(),
             textures: parts.textures.len(),
             images: images.len(),
-        }
-    }
-}
-
-impl Memory {
-    /// What a triangle takes in a frame and the hierarchy over it, as measured with the built-in scenes.
-    const BYTES_PER_TRIANGLE: usize = 200;
-
-    fn of(scene: &Scene) -> Self {
-        fn bytes<T>(list: &[T]) -> usize {
-            size_of_val(list)
-        }
-        let parts = scene.parts();
-        let mesh = |mesh: &Mesh| {
-            let morphs = mesh.morph_targets.iter();
-            bytes(&mesh.positions)
-                + bytes(&mesh.normals)
-                + bytes(&mesh.tangents)
-                + mesh.uv_sets.iter().map(|set| bytes(set)).sum::<usize>()
-                + bytes(&mesh.colours)
-                + bytes(&mesh.indices)
-                + bytes(&mesh.influences)
-                + morphs.map(|target| bytes(&target.positions) + bytes(&target.normals)).sum::<usize>()
-        };
-        let counts = Counts::of(scene);
-        let mut seen = Vec::new();
-        let mut textures = 0;
-        for texture in &parts.textures {
-            let image = std::sync::Arc::as_ptr(&texture.image);
-            if !seen.contains(&image) {
-                seen.push(image);
-                // The image, and levels of which each has a quarter of the texels of the one before.
-                textures += 2 * bytes(texture.image.as_slice()) + bytes(texture.image.as_slice()) / 3;
-            }
-        }
-        Self {
-            geometry: parts.meshes.iter().map(mesh).sum(),
-            textures,
-            frame: (counts.drawn_triangles + 2 * counts.particles) * Self::BYTES_PER_TRIANGLE,
         }
     }
 }
@@ -442,8 +408,26 @@ fn lights(scene: &Scene) -> Vec<LightAtRest> {
 
 fn materials(scene: &Scene) -> Vec<Transparency> {
     let parts = scene.parts();
+    // Of each material, the range of its vertices' alpha and the triangles drawn in it.
+    let mut vertices = vec![EMPTY; parts.materials.len()];
+    let mut triangles = vec![0; parts.materials.len()];
+    for mesh in &parts.meshes {
+        let range = &mut vertices[mesh.material as usize];
+        *range = mesh.colours.iter().fold(*range, |range, colour| widened(range, colour.w));
+    }
+    for instance in &parts.instances {
+        let mesh = &parts.meshes[instance.mesh as usize];
+        triangles[mesh.material as usize] += mesh.indices.len();
+    }
+    // Of each image, however many materials show it.
+    let mut texels: HashMap<*const Image<[u8; 4]>, [f32; 2]> = HashMap::new();
+    let mut of_image = |image: &Arc<Image<[u8; 4]>>| {
+        *texels.entry(Arc::as_ptr(image)).or_insert_with(|| {
+            let alphas = image.as_slice().iter().map(|texel| f32::from(texel[3]) / 255.0);
+            alphas.fold(EMPTY, widened)
+        })
+    };
     let of = |(index, material): (usize, &Material)| {
-        let meshes = || parts.meshes.iter().filter(move |mesh| mesh.material as usize == index);
         let (mode, cutoff) = match material.alpha_mode {
             AlphaMode::Opaque => ("opaque", None),
             AlphaMode::Mask { cutoff } => ("mask", Some(cutoff)),
@@ -452,14 +436,11 @@ fn materials(scene: &Scene) -> Vec<Transparency> {
         let alpha = if mode == "opaque" {
             [1.0; 2]
         } else {
-            let texels = material.base_colour_texture.map(|used| &parts.textures[used.texture as usize]);
-            let texels = texels.iter().flat_map(|texture| texture.image.as_slice());
-            let texture = range(texels.map(|texel| f32::from(texel[3]) / 255.0));
-            let vertices = range(meshes().flat_map(|mesh| &mesh.colours).map(|colour| colour.w));
+            let texture = material.base_colour_texture.map(|used| &parts.textures[used.texture as usize]);
+            let texture = texture.map_or(EMPTY, |texture| of_image(&texture.image));
+            let [texture, vertices] = [texture, vertices[index]].map(one_if_empty);
             [0, 1].map(|end| material.base_colour.w * texture[end] * vertices[end])
         };
-        let drawn = parts.instances.iter().map(|instance| &parts.meshes[instance.mesh as usize]);
-        let drawn = drawn.filter(|mesh| mesh.material as usize == index);
         Transparency {
             name: material.name.clone(),
             mode,
@@ -474,17 +455,23 @@ fn materials(scene: &Scene) -> Vec<Transparency> {
                 ShadingModel::Fibre => "fibre",
                 ShadingModel::Luminous => "luminous",
             },
-            triangles: drawn.map(|mesh| mesh.indices.len()).sum(),
+            triangles: triangles[index],
         }
     };
     parts.materials.iter().enumerate().map(of).collect()
 }
 
-/// Least and greatest of some values; 1 if there are none.
-fn range(values: impl Iterator<Item = f32>) -> [f32; 2] {
-    let [low, high] = values
-        .fold([f32::INFINITY, f32::NEG_INFINITY], |[low, high], value| [low.min(value), high.max(value)]);
-    if low > high { [1.0; 2] } else { [low, high] }
+/// Least and greatest of no values.
+const EMPTY: [f32; 2] = [f32::INFINITY, f32::NEG_INFINITY];
+
+/// Least and greatest with one value more.
+fn widened([low, high]: [f32; 2], value: f32) -> [f32; 2] {
+    [low.min(value), high.max(value)]
+}
+
+/// What nobody changes is a factor of 1.
+fn one_if_empty(range: [f32; 2]) -> [f32; 2] {
+    if range == EMPTY { [1.0; 2] } else { range }
 }
 
 fn yes_or_no(is_so: bool) -> String {
@@ -494,18 +481,7 @@ fn yes_or_no(is_so: bool) -> String {
 /// A name for a cell: short, and without what a terminal would obey.
 fn named(name: &str) -> String {
     const LONGEST: usize = 40;
-    match name.chars().nth(LONGEST) {
-        _ if name.is_empty() => "–".to_owned(),
-        Some(_) => format!("{}…", plain(&name.chars().take(LONGEST).collect::<String>())),
-        None => plain(name),
-    }
-}
-
-fn plain(name: &str) -> String {
-    let escaped = name.chars().map(|letter| {
-        if letter.is_control() { letter.escape_debug().to_string() } else { letter.to_string() }
-    });
-    escaped.collect()
+    if name.is_empty() { "–".to_owned() } else { beginning(name, LONGEST) }
 }
 
 fn vector([x, y, z]: [f32; 3]) -> String {
@@ -523,7 +499,7 @@ fn figure(value: f32) -> String {
     if text == "-0" { "0".to_owned() } else { text.to_owned() }
 }
 
-fn megabytes(bytes: usize) -> String {
+fn megabytes(bytes: u64) -> String {
     format!("{:.1}", bytes as f64 / 1e6)
 }
 

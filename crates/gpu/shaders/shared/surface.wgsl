@@ -177,6 +177,17 @@ fn attributes_at(
             deformed_normal(first + vertices[2]),
         );
         normal = weigh3(weights, normals);
+        if mesh.tangents != NONE {
+            let first_tangent = first + mesh.vertex_count;
+            let tangents = array(
+                deformed_normal(first_tangent + vertices[0]),
+                deformed_normal(first_tangent + vertices[1]),
+                deformed_normal(first_tangent + vertices[2]),
+            );
+            let bitangent_sign = weigh4(weights, gather4(mesh.tangents, vertices)).w;
+            found.tangent = vec4f(weigh3(weights, tangents), bitangent_sign);
+            found.has_tangent = true;
+        }
     }
     if mesh.colours != NONE {
         found.tint = weigh4(weights, gather4(mesh.colours, vertices)).rgb;

@@ -181,6 +181,7 @@ impl Animator {
         previous.clear();
         previous.extend_from_slice(&self.frame.triangles[self.frame.static_count()..]);
         let previous_attributes = std::mem::take(&mut self.frame.morphed_attributes);
+        let previous_normals = std::mem::take(&mut self.frame.deformed_normals);
         self.truncate_to_static();
         let pose = NodePose::at(scene.parts(), time_secs);
         self.emit_moving(&pose);
@@ -220,7 +221,9 @@ impl Animator {
             && !lives
             && frame.previous_moving == frame.triangles[frame.static_counts.triangles..]
             && frame.instances()[still_instances..].iter().all(MeshInstance::is_still)
-            && (previous_secs == time_secs || previous_attributes == frame.morphed_attributes)
+            && (previous_secs == time_secs
+                || (previous_attributes == frame.morphed_attributes
+                    && previous_normals == frame.deformed_normals))
             && previous_properties.as_ref().is_none_or(|previous| *previous == frame.properties)
             && previous_pose.is_none_or(|pose| {
                 lights_at(scene.parts(), &pose, &frame.properties).eq(frame.lights.iter().copied())
@@ -412,7 +415,7 @@ fn lights_at<'a>(
             position: world_from_node.translation.into(),
             direction: world_from_node.transform_vector3(Vec3::NEG_Z).normalize_or(Vec3::NEG_Y),
             intensity: properties.intensity(index, light.node, light.intensity),
-            kind: light.kind,
+            kind: properties.kind(index, light.kind),
         }
     });
     of_nodes.chain(of_surroundings)

@@ -5,6 +5,7 @@ use glam::{Affine3A, Mat3, Vec3, Vec4};
 use super::{
     footprint::evening_power,
     pose::{NodePose, instance_moves, moving_nodes},
+    property::Properties,
     storage::MorphedAttributes,
 };
 use crate::model::{Instance, SceneParts};
@@ -54,7 +55,8 @@ pub(super) fn morph_attributes(parts: &SceneParts, pose: &NodePose, index: u32) 
     Some(morphed)
 }
 
-/// World positions of a morphed and skinned instance; its unit normals are appended to `normals`.
+/// World positions of a morphed and skinned instance; its unit normals, and behind them the directions of its
+/// tangents, are appended to `normals`.
 pub(super) fn deform(
     parts: &SceneParts,
     pose: &NodePose,
@@ -68,24 +70,35 @@ pub(super) fn deform(
 
     let mut positions = mesh.positions.clone();
     let mut own_normals = mesh.normals.clone();
+    let mut own_tangents: Vec<Vec3> = mesh.tangents.iter().map(|tangent| tangent.truncate()).collect();
     for (target, &weight) in mesh.morph_targets.iter().zip(weights).filter(|(_, weight)| **weight != 0.0) {
         positions
             .iter_mut()
             .zip(&target.positions)
             .for_each(|(position, delta)| *position += *delta * weight);
         own_normals.iter_mut().zip(&target.normals).for_each(|(normal, delta)| *normal += *delta * weight);
+        own_tangents
+            .iter_mut()
+            .zip(&target.tangents)
+            .for_each(|(tangent, delta)| *tangent += *delta * weight);
     }
 
     let joints = instance.skin.map_or(&[][..], |skin| &pose.joints[skin as usize]);
     let rigid = normal_matrix(Mat3::from(world_from_object.matrix3));
+    let bend = |vector_from_object: Mat3, tangent: Option<&mut Vec3>| {
+        if let Some(tangent) = tangent {
+            *tangent = (vector_from_object * *tangent).normalize_or_zero();
+        }
+    };
     for (vertex, position) in positions.iter_mut().enumerate() {
-        let normal = own_normals.get_mut(vertex);
+        let (normal, tangent) = (own_normals.get_mut(vertex), own_tangents.get_mut(vertex));
         let per_vertex = mesh.influences_per_vertex;
         if joints.is_empty() || per_vertex == 0 {
             *position = world_from_object.transform_point3(*position);
             if let Some(normal) = normal {
                 *normal = (rigid * *normal).normalize_or_zero();
             }
+            bend(Mat3::from(world_from_object.matrix3), tangent);
             continue;
         }
         let influences = &mesh.influences[vertex * per_vertex..][..per_vertex];
@@ -99,25 +112,31 @@ pub(super) fn deform(
         if let Some(normal) = normal {
             *normal = (normal_matrix(Mat3::from(blended.matrix3)) * *normal).normalize_or_zero();
         }
+        bend(Mat3::from(blended.matrix3), tangent);
     }
     normals.extend(own_normals);
+    normals.extend(own_tangents);
     positions
 }
 
-/// Calls `visit` with the world position of each vertex of each instance at each of the times, of those that
-/// never move once.
+/// Calls `visit` with the world position of each vertex of each instance at each of the times at which it is
+/// shown, of those that never move once.
 pub(crate) fn for_each_vertex_over_time(
     parts: &SceneParts,
     times_secs: &[f32],
     visit: &mut impl FnMut(Vec3),
 ) {
     let node_moves = moving_nodes(parts);
-    for (number, &time_secs) in times_secs.iter().enumerate() {
+    let mut are_visited = vec![false; parts.instances.len()];
+    for &time_secs in times_secs {
         let pose = NodePose::at(parts, time_secs);
+        let properties = Properties::at(parts, time_secs);
         for (index, instance) in parts.instances.iter().enumerate() {
-            if number > 0 && !instance_moves(parts, &node_moves, index as u32) {
+            let is_known = are_visited[index] && !instance_moves(parts, &node_moves, index as u32);
+            if is_known || properties.hides(instance.node) {
                 continue;
             }
+            are_visited[index] = true;
             let mesh = &parts.meshes[instance.mesh as usize];
             let world_from_object = pose.world_from_node[instance.node as usize] * instance.node_from_object;
             if instance.skin.is_some() || !mesh.morph_targets.is_empty() {

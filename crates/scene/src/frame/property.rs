@@ -2,7 +2,7 @@
 
 use glam::{Vec3, Vec4};
 
-use crate::model::{AlphaMode, Factor, Material, Property, SceneParts, TextureRef, TextureSlot};
+use crate::model::{AlphaMode, Factor, LightKind, Material, Property, SceneParts, TextureRef, TextureSlot};
 
 /// What animations make of materials, lights and visibility at a moment.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -11,6 +11,8 @@ pub(super) struct Properties {
     pub(super) materials: Vec<Material>,
     /// Intensity of each light, if that of one is animated.
     intensities: Vec<Vec3>,
+    /// Shape of each light, if that of one is animated.
+    kinds: Vec<LightKind>,
     /// Whether each node is hidden, by itself or a parent, if the visibility of one is animated.
     hidden: Vec<bool>,
 }
@@ -24,6 +26,14 @@ impl Properties {
                 properties.apply(parts, property, time_secs);
             }
         }
+        // What is taken out of an alpha comes after whatever sets it.
+        for animation in &parts.animations {
+            let time_secs = animation.looped(time_secs);
+            for property in &animation.properties {
+                properties.transmit(parts, property, time_secs);
+            }
+        }
+        properties.kinds.iter_mut().for_each(|kind| *kind = kind.with_nested_cones());
         // What hangs on a hidden node is hidden: parents stand before their children.
         for index in 0..properties.hidden.len() {
             let parent = parts.nodes[index].parent;
@@ -76,11 +86,32 @@ impl Properties {
                     self.intensities[light as usize] = value.clamp(Vec3::ZERO, Vec3::MAX);
                 }
             }
-            // What a camera sees is part of its pose.
-            Property::Lens { .. } => {}
+            Property::LightShape { lights, which, value } => {
+                if self.kinds.is_empty() {
+                    self.kinds.extend(parts.lights.iter().map(|light| light.kind));
+                }
+                let value = value.value_at(time_secs);
+                lights.iter().for_each(|&light| self.kinds[light as usize].set(*which, value));
+            }
+            // What a camera sees is part of its pose, and `Self::transmit` is for the other.
+            Property::Lens { .. } | Property::Transmission { .. } => {}
             Property::Visibility { node, visible } => {
                 self.hidden.resize(parts.nodes.len(), false);
                 self.hidden[*node as usize] = visible.value_at(time_secs) < 0.5;
+            }
+        }
+    }
+
+    fn transmit(&mut self, parts: &SceneParts, property: &Property, time_secs: f32) {
+        /// The transmission of a material is below 1.
+        const MOST: f32 = 1.0 - f32::EPSILON;
+        if let Property::Transmission { material, share, lowers_alpha } = property {
+            let material = self.material(parts, *material);
+            let at_rest =
+                std::mem::replace(&mut material.transmission, share.value_at(time_secs).clamp(0.0, MOST));
+            if *lowers_alpha {
+                let alpha = material.base_colour.w * (1.0 - material.transmission) / (1.0 - at_rest);
+                material.base_colour.w = alpha.min(1.0);
             }
         }
     }
@@ -98,6 +129,11 @@ impl Properties {
             return Vec3::ZERO;
         }
         self.intensities.get(light).copied().unwrap_or(at_rest)
+    }
+
+    /// Shape of a light, which is `at_rest` unless it is animated.
+    pub(super) fn kind(&self, light: usize, at_rest: LightKind) -> LightKind {
+        self.kinds.get(light).copied().unwrap_or(at_rest)
     }
 
     /// Whether a node is hidden.
@@ -121,6 +157,7 @@ impl Changing {
         for property in parts.animations.iter().flat_map(|animation| &animation.properties) {
             match property {
                 Property::BaseColour { material, .. }
+                | Property::Transmission { material, .. }
                 | Property::Factor { material, which: Factor::AlphaCutoff, .. }
                 | Property::TextureTransform { material, slot: TextureSlot::BaseColour, .. } => {
                     let is_opaque = parts.materials[*material as usize].alpha_mode == AlphaMode::Opaque;
@@ -131,6 +168,7 @@ impl Changing {
                 | Property::Factor { .. }
                 | Property::TextureTransform { .. }
                 | Property::LightIntensity { .. }
+                | Property::LightShape { .. }
                 | Property::Lens { .. } => {}
             }
         }

@@ -49,7 +49,7 @@ pub enum Look {
         /// Index into the scene's meshes.
         mesh: u32,
         /// Its vertices' normals lie in [`Frame::deformed_normals`](super::Frame::deformed_normals) from here
-        /// on; none if `None`.
+        /// on, behind them, where the mesh has tangents, as many directions of these; none if `None`.
         first_normal: Option<u32>,
         /// Index into [`Frame::morphed_attributes`](super::Frame::morphed_attributes) of a mesh that morphs
         /// colours or texture coordinates.

@@ -206,11 +206,15 @@ impl Frame {
             }
             look @ Look::Deformed { mesh, first_normal, .. } => {
                 let (mesh, vertices) = mesh_of(*mesh);
-                let normal = first_normal.map(|first| {
-                    mix(weights, vertices.map(|vertex| self.deformed_normals[first as usize + vertex]))
+                let vectors =
+                    |first: usize| mix(weights, vertices.map(|vertex| self.deformed_normals[first + vertex]));
+                let normal = first_normal.map(|first| vectors(first as usize));
+                let tangent = first_normal.zip(gather(&mesh.tangents, vertices)).map(|(first, tangents)| {
+                    let sign = mix(weights, tangents).w;
+                    vectors(first as usize + mesh.positions.len()).extend(sign)
                 });
                 let lists = self.vertex_lists(look, mesh);
-                mesh_attributes(lists, vertices, weights, corners, normal.unwrap_or(outward), None)
+                mesh_attributes(lists, vertices, weights, corners, normal.unwrap_or(outward), tangent)
             }
         }
     }

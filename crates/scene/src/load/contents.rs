@@ -1,6 +1,8 @@
 //! What a file holds besides the scene that was made of it: what there is to choose from, and what becomes of
 //! its extensions.
 
+use sheer_core::text::quoted;
+
 /// What a file holds; all empty for formats that have no such things.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Contents {
@@ -58,7 +60,7 @@ pub(super) fn listed(names: &[&str]) -> String {
     }
     let each = names.iter().enumerate().take(MOST).map(|(number, name)| match *name {
         "" => number.to_string(),
-        name => format!("{number} '{}'", super::text::shown(name.as_bytes())),
+        name => format!("{number} '{}'", quoted(name)),
     });
     let more = if names.len() > MOST { format!(" and {} more", names.len() - MOST) } else { String::new() };
     format!("it has {}{more}", each.collect::<Vec<_>>().join(", "))

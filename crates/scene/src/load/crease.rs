@@ -20,6 +20,14 @@ pub(super) enum Smoothing {
     Angle,
 }
 
+/// Bytes that making the normals of so many triangles takes, with a list of the positions that they have.
+pub(super) fn bytes(triangle_count: usize) -> usize {
+    let of_triangle = size_of::<Face>() + size_of::<[Vec3; 3]>() + 2 * size_of::<[u32; 3]>();
+    let of_position = size_of::<Vec3>() + 2 * size_of::<u32>() + 4 * size_of::<[u32; 2]>();
+    // Positions that no other triangle has are three a triangle.
+    triangle_count.saturating_mul(of_triangle + 3 * of_position)
+}
+
 /// Normals at the corners of triangles, unit vectors; zero where all faces at a corner are empty.
 ///
 /// Each is the sum of the normals of the faces that are smooth there, weighted by their angles at the corner

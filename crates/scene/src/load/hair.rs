@@ -12,7 +12,7 @@ use sheer_core::{
     hash::{pcg4d, unit_from_bits},
 };
 
-use super::{Loaded, single, source::Source};
+use super::{Loaded, single, source::Source, stroke::WIDTH_SHARE};
 use crate::{
     SceneError,
     model::{AlphaMode, Material, Mesh, ShadingModel},
@@ -28,6 +28,9 @@ const HAS_TRANSPARENCY: u32 = 1 << 3;
 const HAS_COLOURS: u32 = 1 << 4;
 /// How far a ribbon turns on its way, so that it is not seen edge-on all along.
 const TWIST_RAD: f32 = std::f32::consts::PI;
+/// Bytes of a point: two vertices of position, direction and colour and four triangles, in lists that double
+/// as they grow.
+const POINT_BYTES: usize = 2 * (2 * (12 + 12 + 16) + 4 * 12);
 /// Perceptual roughness of hair, as in the built-in scenes.
 const ROUGHNESS: f32 = 0.35;
 
@@ -38,18 +41,19 @@ struct Bytes<'a> {
 }
 
 impl<'a> Bytes<'a> {
-    /// The next array of `count` elements; an error says what is missing.
-    fn array(&mut self, count: usize, element_bytes: usize, what: &str) -> Result<&'a [u8], String> {
+    /// The next array of `count` elements, or those of them that are there, and what is missing.
+    fn array(&mut self, count: usize, element_bytes: usize, what: &str) -> (&'a [u8], Option<String>) {
+        let rest = &self.bytes[self.at..];
         let length = count.saturating_mul(element_bytes);
-        let array = self.at.checked_add(length).and_then(|end| self.bytes.get(self.at..end));
-        let array = array.ok_or_else(|| {
+        let missing = (length > rest.len()).then(|| {
             format!(
                 "{count} {what} of {element_bytes} bytes should stand here, but the file ends after {} bytes; copy or export it again",
                 self.bytes.len()
             )
-        })?;
-        self.at += length;
-        Ok(array)
+        });
+        let array = &rest[..length.min(rest.len() / element_bytes * element_bytes)];
+        self.at += array.len();
+        (array, missing)
     }
 }
 
@@ -65,23 +69,38 @@ fn vector(bytes: &[u8], index: usize) -> Vec3 {
     Vec3::new(float(bytes, 3 * index), float(bytes, 3 * index + 1), float(bytes, 3 * index + 2))
 }
 
-/// What a file says of its points: an array, or one value for all.
+/// An array, and the value of the points that are not in it.
+struct Array<'a, T> {
+    bytes: &'a [u8],
+    element_bytes: usize,
+    read: fn(&[u8], usize) -> T,
+    default: T,
+}
+
+impl<T: Copy> Array<'_, T> {
+    fn at(&self, index: usize) -> T {
+        let is_there = index < self.bytes.len() / self.element_bytes;
+        if is_there { (self.read)(self.bytes, index) } else { self.default }
+    }
+}
+
+/// What a file says of its points.
 struct Points<'a> {
     positions: &'a [u8],
-    thickness: Result<&'a [u8], f32>,
-    transparency: Result<&'a [u8], f32>,
-    colours: Result<&'a [u8], Vec3>,
+    thickness: Array<'a, f32>,
+    transparency: Array<'a, f32>,
+    colours: Array<'a, Vec3>,
 }
 
 impl Points<'_> {
     fn width(&self, index: usize) -> f32 {
-        self.thickness.map_or_else(|all| all, |list| float(list, index))
+        self.thickness.at(index)
     }
 
     /// Linear colour and opacity.
     fn colour(&self, index: usize) -> Vec4 {
-        let transparency = self.transparency.map_or_else(|all| all, |list| float(list, index));
-        let colour = self.colours.map_or_else(|all| all, |list| vector(list, index));
+        let transparency = self.transparency.at(index);
+        let colour = self.colours.at(index);
         let alpha = if transparency.is_nan() { 1.0 } else { 1.0 - transparency.clamp(0.0, 1.0) };
         colour.max(Vec3::ZERO).min(Vec3::ONE).map(linear_from_srgb).extend(alpha)
     }
@@ -102,52 +121,74 @@ pub(super) fn read(bytes: &[u8], source: Source<'_>) -> Result<Loaded, SceneErro
         return Err(source.fault("byte 12", "the file has no points, so there is no hair; export it again"));
     }
 
-    // The arrays.
+    // The arrays. What is missing of one has the value for all.
     let mut rest = Bytes { bytes, at: HEADER_BYTES };
-    let mut array = |bit: u32, count: usize, element_bytes: usize, what: &str| {
+    let mut array = |bit: u32, count: usize, element_bytes: usize, what: &str| -> Result<&[u8], SceneError> {
         if arrays & bit == 0 {
-            return Ok(None);
+            return Ok(&[]);
         }
         let place = format!("byte {}", rest.at);
-        rest.array(count, element_bytes, what).map(Some).map_err(|problem| source.fault(place, problem))
+        let (array, missing) = rest.array(count, element_bytes, what);
+        if let Some(missing) = missing {
+            source.lost(place, missing)?;
+        }
+        Ok(array)
     };
     let segments = array(HAS_SEGMENTS, strand_count, 2, "numbers of segments")?;
     let positions = array(HAS_POINTS, point_count, 12, "points")?;
     let thickness = array(HAS_THICKNESS, point_count, 4, "thicknesses")?;
     let transparency = array(HAS_TRANSPARENCY, point_count, 4, "transparencies")?;
     let colours = array(HAS_COLOURS, point_count, 12, "colours")?;
-    let points = Points {
-        positions: positions.unwrap_or_default(),
-        thickness: thickness.ok_or(default_thickness),
-        transparency: transparency.ok_or(default_transparency),
-        colours: colours.ok_or(default_colour),
+    let point_count = positions.len() / 12;
+    let mut points = Points {
+        positions,
+        thickness: Array { bytes: thickness, element_bytes: 4, read: float, default: default_thickness },
+        transparency: Array {
+            bytes: transparency,
+            element_bytes: 4,
+            read: float,
+            default: default_transparency,
+        },
+        colours: Array { bytes: colours, element_bytes: 12, read: vector, default: default_colour },
     };
+    if (0..point_count).all(|index| !points.width(index).is_normal()) && point_count > 0 {
+        let extent = extent(&points, point_count);
+        points.thickness = Array { bytes: &[], default: WIDTH_SHARE * extent, ..points.thickness };
+        source.repaired("points", "they have no thickness, and were drawn about a pixel wide");
+    }
 
     // Each strand becomes a ribbon.
     source.check_triangle_count(point_count.saturating_mul(2), "points")?;
+    source.take(point_count * POINT_BYTES, "points")?;
     let mut mesh = Mesh { name: "hair".to_owned(), ..Mesh::default() };
     let mut first = 0;
     let mut broken_count = 0_usize;
     for strand in 0..strand_count {
-        let segment_count = match segments {
-            Some(list) => usize::from(u16::from_le_bytes([list[2 * strand], list[2 * strand + 1]])),
-            None => default_segments,
+        let segment_count = match arrays & HAS_SEGMENTS {
+            0 => default_segments,
+            _ => match segments.get(2 * strand..2 * strand + 2) {
+                Some(count) => usize::from(u16::from_le_bytes([count[0], count[1]])),
+                None => break,
+            },
         };
         let end = first + segment_count + 1;
         if end > point_count {
-            let problem = format!(
-                "it needs points {first} to {end}, but there are only {point_count}; export the file again"
+            let what = format!(
+                "it needs points {first} to {end}, but there are only {point_count}; it and those after it were left out"
             );
-            return Err(source.fault(format_args!("strand {strand}"), problem));
+            source.lost(format_args!("strand {strand}"), what)?;
+            break;
         }
         broken_count += usize::from(!add_ribbon(&mut mesh, &points, first..end, strand as u32));
         first = end;
     }
     if broken_count > 0 {
-        source.repaired(
+        let strands =
+            if broken_count == 1 { "one strand".to_owned() } else { format!("{broken_count} strands") };
+        source.lost(
             "points",
-            format!("{broken_count} strands with a point or thickness that is not finite were left out"),
-        );
+            format!("{strands} with a point or thickness that is not finite were left out"),
+        )?;
     }
 
     let mut parts = source.parts();
@@ -162,6 +203,15 @@ pub(super) fn read(bytes: &[u8], source: Source<'_>) -> Result<Loaded, SceneErro
     };
     single::place_with(&mut parts, mesh, material, single::from_z_up());
     source.finish(parts)
+}
+
+/// Length of the diagonal of a box around the points that are finite; 1 if that is nothing.
+fn extent(points: &Points<'_>, point_count: usize) -> f32 {
+    let all = (0..point_count).map(|index| vector(points.positions, index)).filter(|point| point.is_finite());
+    let [low, high] = all
+        .fold([Vec3::INFINITY, Vec3::NEG_INFINITY], |[low, high], point| [low.min(point), high.max(point)]);
+    let extent = (high - low).length();
+    if extent > 0.0 && extent.is_finite() { extent } else { 1.0 }
 }
 
 /// Adds the ribbon of a strand, with the direction of the hair in the place of normals; nothing, and false,

@@ -5,6 +5,11 @@ use std::fmt;
 use super::contents::Contents;
 use crate::scene::Scene;
 
+/// Characters of a message that quotes from a file.
+pub(super) const LONGEST_MESSAGE: usize = 600;
+/// Characters of a name that are kept; messages show fewer. Names are copied to whatever refers to them.
+pub(super) const LONGEST_NAME: usize = 256;
+
 /// A scene and what was left out of it.
 #[derive(Debug)]
 pub struct Loaded {

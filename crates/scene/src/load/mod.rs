@@ -16,11 +16,13 @@ mod loaded;
 mod obj;
 mod options;
 mod ply;
+mod polygon;
 mod single;
 mod source;
 mod stl;
 mod stroke;
 mod text;
+mod vertex_colour;
 
 use contents::chosen;
 use source::Source;
@@ -55,22 +57,22 @@ const FORMATS: &[Format] = &[
     Format {
         endings: &["obj"],
         begins: |_| false,
-        read: |bytes, path, options| obj::read(bytes, Source::new("OBJ", path, options)?),
+        read: |bytes, path, options| obj::read(bytes, Source::new("OBJ", bytes.len(), path, options)?),
     },
     Format {
         endings: &["ply"],
         begins: |bytes| bytes.starts_with(ply::SIGNATURE),
-        read: |bytes, path, options| ply::read(bytes, Source::new("PLY", path, options)?),
+        read: |bytes, path, options| ply::read(bytes, Source::new("PLY", bytes.len(), path, options)?),
     },
     Format {
         endings: &["stl"],
         begins: stl::begins_like_stl,
-        read: |bytes, path, options| stl::read(bytes, Source::new("STL", path, options)?),
+        read: |bytes, path, options| stl::read(bytes, Source::new("STL", bytes.len(), path, options)?),
     },
     Format {
         endings: &["hair"],
         begins: |bytes| bytes.starts_with(hair::SIGNATURE),
-        read: |bytes, path, options| hair::read(bytes, Source::new("hair", path, options)?),
+        read: |bytes, path, options| hair::read(bytes, Source::new("hair", bytes.len(), path, options)?),
     },
 ];
 

@@ -1,6 +1,6 @@
 //! Scenes of one mesh, as the formats of scanners and printers hold them.
 
-use glam::{Affine3A, Quat, Vec3, Vec4};
+use glam::{Quat, Vec3, Vec4};
 
 use crate::model::{AlphaMode, Instance, Material, Mesh, Node, SceneParts, Transform};
 
@@ -19,17 +19,9 @@ pub(super) fn place(parts: &mut SceneParts, mesh: Mesh, base_colour: Vec4, trans
 /// The same with any material.
 pub(super) fn place_with(parts: &mut SceneParts, mesh: Mesh, material: Material, transform: Transform) {
     parts.materials.push(material);
-    parts.nodes.push(Node { name: String::new(), parent: None, transform });
+    parts.nodes.push(Node { transform, ..Node::default() });
     parts.meshes.push(mesh);
-    parts.instances.push(Instance {
-        node: 0,
-        node_from_object: Affine3A::IDENTITY,
-        mesh: 0,
-        id: 0,
-        geometry: 0,
-        skin: None,
-        morph_weights: Vec::new(),
-    });
+    parts.instances.push(Instance::default());
 }
 
 /// From a world with +Z up, seen from -Y, to one with +Y up, seen from +Z.

@@ -12,7 +12,7 @@ use super::{
     Loaded,
     single::{self, GREY},
     source::Source,
-    text::{self, Line},
+    text,
 };
 use crate::{SceneError, model::Mesh};
 
@@ -22,32 +22,46 @@ const TRIANGLE_BYTES: usize = 50;
 /// Of the attributes: a colour is there (VisCAM), or is not (Magics).
 const COLOUR_FLAG: u16 = 0x8000;
 
+/// Bytes of a triangle, and of a vertex with its entry among those that are known, in lists that double as
+/// they grow.
+const INDEX_BYTES: usize = 2 * size_of::<[u32; 3]>();
+const VERTEX_BYTES: usize = 2 * (size_of::<Vec3>() + size_of::<Vec4>() + size_of::<([u32; 7], u32)>());
+
 /// Triangles as they are read; corners of the same bits are one vertex.
-#[derive(Default)]
-struct Solid {
+struct Solid<'s, 'a> {
+    source: &'s Source<'a>,
     mesh: Mesh,
     vertex_of: HashMap<[u32; 7], u32>,
     dropped_count: usize,
 }
 
-impl Solid {
-    fn add(&mut self, corners: [Vec3; 3], colour: Option<Vec4>) {
+impl<'s, 'a> Solid<'s, 'a> {
+    fn new(source: &'s Source<'a>) -> Self {
+        Self { source, mesh: Mesh::default(), vertex_of: HashMap::new(), dropped_count: 0 }
+    }
+
+    fn add(&mut self, corners: [Vec3; 3], colour: Option<Vec4>) -> Result<(), SceneError> {
         if !corners.iter().all(|corner| corner.is_finite()) {
             self.dropped_count += 1;
-            return;
+            return Ok(());
         }
-        let vertices = corners.map(|corner| {
+        self.source.take(INDEX_BYTES, "triangles")?;
+        let mut vertices = [0; 3];
+        for (vertex, corner) in vertices.iter_mut().zip(corners) {
             let colour = colour.unwrap_or(Vec4::ONE);
             let mut key = [0; 7];
             key[..3].copy_from_slice(&corner.to_array().map(f32::to_bits));
             key[3..].copy_from_slice(&colour.to_array().map(f32::to_bits));
-            *self.vertex_of.entry(key).or_insert_with(|| {
+            let next = self.mesh.positions.len() as u32;
+            *vertex = *self.vertex_of.entry(key).or_insert(next);
+            if *vertex == next {
+                self.source.take(VERTEX_BYTES, "triangles")?;
                 self.mesh.positions.push(corner);
                 self.mesh.colours.push(colour);
-                self.mesh.positions.len() as u32 - 1
-            })
-        });
+            }
+        }
         self.mesh.indices.push(vertices);
+        Ok(())
     }
 }
 
@@ -58,17 +72,19 @@ pub(super) fn begins_like_stl(bytes: &[u8]) -> bool {
 
 pub(super) fn read(bytes: &[u8], source: Source<'_>) -> Result<Loaded, SceneError> {
     let mut parts = source.parts();
-    let (mut solid, base) =
+    let (solid, base) =
         if is_binary(bytes) { read_binary(bytes, &source)? } else { read_text(bytes, &source)? };
-    if solid.dropped_count > 0 {
-        let what =
-            format!("{} triangles with a coordinate that is not finite were left out", solid.dropped_count);
-        source.repaired("triangles", what);
+    let Solid { mut mesh, dropped_count, .. } = solid;
+    if dropped_count > 0 {
+        let triangles =
+            if dropped_count == 1 { "one triangle".to_owned() } else { format!("{dropped_count} triangles") };
+        source
+            .lost("triangles", format!("{triangles} with a coordinate that is not finite were left out"))?;
     }
-    if solid.mesh.colours.iter().all(|colour| *colour == Vec4::ONE) {
-        solid.mesh.colours.clear();
+    if mesh.colours.iter().all(|colour| *colour == Vec4::ONE) {
+        mesh.colours.clear();
     }
-    single::place(&mut parts, solid.mesh, base, single::from_z_up());
+    single::place(&mut parts, mesh, base, single::from_z_up());
     source.finish(parts)
 }
 
@@ -87,8 +103,8 @@ fn claimed_count(bytes: &[u8]) -> Option<usize> {
     Some(u32::from_le_bytes(*word) as usize)
 }
 
-fn read_binary(bytes: &[u8], source: &Source<'_>) -> Result<(Solid, Vec4), SceneError> {
-    let Some(claimed) = claimed_count(bytes) else {
+fn read_binary<'s, 'a>(bytes: &[u8], source: &'s Source<'a>) -> Result<(Solid<'s, 'a>, Vec4), SceneError> {
+    let Some(mut claimed) = claimed_count(bytes) else {
         let problem =
             "this is no STL file: neither text that begins with 'solid' nor 84 bytes of a binary header";
         return Err(source.fault("header", problem));
@@ -103,7 +119,17 @@ fn read_binary(bytes: &[u8], source: &Source<'_>) -> Result<(Solid, Vec4), Scene
             );
             return Err(source.fault("byte 80", problem));
         }
-        source.repaired("byte 80", format!("{claimed} triangles are promised, only {whole} are there"));
+        source.lost("byte 80", format!("{claimed} triangles are promised, only {whole} are there"))?;
+    } else if claimed == 0 && whole > 0 {
+        // A program that was writing and never came back to the number.
+        source.repaired("byte 80", format!("no triangles are promised, but {whole} are there"));
+        claimed = whole;
+    } else if claimed < whole {
+        let bytes = body.len() - claimed * TRIANGLE_BYTES;
+        source.repaired(
+            "byte 80",
+            format!("{claimed} triangles are promised; {bytes} bytes after them were left out"),
+        );
     }
     source.check_triangle_count(claimed.min(whole), "byte 80")?;
     // Magics writes the colour of the whole into the header, with its opacity.
@@ -112,7 +138,7 @@ fn read_binary(bytes: &[u8], source: &Source<'_>) -> Result<(Solid, Vec4), Scene
         let [r, g, b, a] = [6, 7, 8, 9].map(|at| f32::from(window[at]) / 255.0);
         Vec4::new(linear_from_srgb(r), linear_from_srgb(g), linear_from_srgb(b), a)
     });
-    let mut solid = Solid::default();
+    let mut solid = Solid::new(source);
     for record in body.chunks_exact(TRIANGLE_BYTES).take(claimed) {
         let float =
             |at: usize| f32::from_le_bytes([record[at], record[at + 1], record[at + 2], record[at + 3]]);
@@ -125,7 +151,7 @@ fn read_binary(bytes: &[u8], source: &Source<'_>) -> Result<(Solid, Vec4), Scene
             (None, Some(whole)) => Some(whole),
             (colour, None) => colour,
         };
-        solid.add([corner(12), corner(24), corner(36)], colour);
+        solid.add([corner(12), corner(24), corner(36)], colour)?;
     }
     let is_coloured = solid.mesh.colours.iter().any(|colour| *colour != Vec4::ONE);
     Ok((solid, if is_coloured { Vec4::ONE } else { GREY }))
@@ -142,8 +168,8 @@ fn facet_colour(attributes: u16, is_magics: bool) -> Option<Vec4> {
     Some(if is_magics { Vec4::new(low, middle, high, 1.0) } else { Vec4::new(high, middle, low, 1.0) })
 }
 
-fn read_text(bytes: &[u8], source: &Source<'_>) -> Result<(Solid, Vec4), SceneError> {
-    let mut solid = Solid::default();
+fn read_text<'s, 'a>(bytes: &[u8], source: &'s Source<'a>) -> Result<(Solid<'s, 'a>, Vec4), SceneError> {
+    let mut solid = Solid::new(source);
     let mut corners: Vec<Vec3> = Vec::new();
     let mut is_ended = false;
     for line in text::lines(bytes) {
@@ -151,37 +177,40 @@ fn read_text(bytes: &[u8], source: &Source<'_>) -> Result<(Solid, Vec4), SceneEr
         let Some(word) = words.next() else { continue };
         is_ended = false;
         match word.to_ascii_lowercase().as_slice() {
-            b"vertex" => corners.push(vector(&line, &mut words, source)?),
+            b"vertex" => {
+                let corner = vector(&mut words).or_else(|problem| {
+                    let what = format!("{problem}; the facet was left out");
+                    source.lost(line.place(), what).map(|()| Vec3::NAN)
+                })?;
+                corners.push(corner);
+            }
             b"endloop" | b"endfacet" => {
                 // A loop has three corners; more are a fan.
                 for at in 2..corners.len() {
-                    solid.add([corners[0], corners[at - 1], corners[at]], None);
+                    solid.add([corners[0], corners[at - 1], corners[at]], None)?;
                 }
                 if matches!(corners.len(), 1 | 2) {
-                    source.repaired(line.place(), "a facet of fewer than three corners was left out");
+                    source.lost(line.place(), "a facet of fewer than three corners was left out")?;
                 }
                 corners.clear();
             }
             b"endsolid" => is_ended = true,
             b"solid" | b"facet" | b"outer" | b"end" => {}
             _ => {
-                let problem = format!("'{}' is no word of STL; export the file again", text::shown(word));
-                return Err(source.fault(line.place(), problem));
+                source.lost(
+                    line.place(),
+                    format!("'{}' is no word of STL; the line was left out", text::shown(word)),
+                )?;
             }
         }
     }
     if !is_ended {
-        source.repaired("end", "the file ends without 'endsolid': it may be cut short");
+        source.lost("end", "the file ends without 'endsolid': it may be cut short")?;
     }
     source.check_triangle_count(solid.mesh.indices.len(), "triangles")?;
     Ok((solid, GREY))
 }
 
-fn vector<'w>(
-    line: &Line<'_>,
-    words: &mut impl Iterator<Item = &'w [u8]>,
-    source: &Source<'_>,
-) -> Result<Vec3, SceneError> {
-    let mut next = || text::next_number(words).map_err(|problem| source.fault(line.place(), problem));
-    Ok(Vec3::new(next()?, next()?, next()?))
+fn vector<'w>(words: &mut impl Iterator<Item = &'w [u8]>) -> Result<Vec3, String> {
+    Ok(Vec3::new(text::next_number(words)?, text::next_number(words)?, text::next_number(words)?))
 }

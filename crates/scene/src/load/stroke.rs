@@ -12,13 +12,16 @@ use glam::{Affine3A, Vec3};
 use crate::model::{Mesh, MorphTarget, SceneParts, ShadingModel};
 
 /// Their width as a share of the extent of the scene: about a pixel of a picture of the default size.
-const WIDTH_SHARE: f32 = 1.0 / 500.0;
+pub(super) const WIDTH_SHARE: f32 = 1.0 / 500.0;
 /// How many are drawn of a mesh, at some 2 kB each with what a frame needs; of more, every so many-th.
 const MOST_STROKES: usize = 1 << 19;
 /// Triangles of the body of a point, and of a line.
 const TRIANGLES: [usize; 2] = [8, 6];
 /// Vertices of either.
 const VERTICES: u64 = 6;
+
+/// Of the body that a stroke becomes, its vertices with their attributes and its triangles.
+const BODY_BYTES: usize = 600;
 
 /// Triangles and vertices that so many strokes become at most.
 pub(super) fn most_of_bodies(count: usize) -> [u64; 2] {
@@ -52,13 +55,9 @@ impl Strokes {
         self.len() == 0
     }
 
-    /// How many triangles they will be.
-    pub(super) fn triangle_count(&self) -> usize {
-        let [of_point, of_line] = TRIANGLES;
-        match self {
-            Self::Points(points) => points.len() * of_point,
-            Self::Lines(lines) => lines.len() * of_line,
-        }
+    /// What their bodies will take as a mesh.
+    pub(super) fn body_bytes(&self) -> usize {
+        self.len().min(MOST_STROKES) * BODY_BYTES
     }
 
     /// Keeps what refers to sound vertices alone.
@@ -172,6 +171,7 @@ fn drawn(mesh: &Mesh, strokes: &Strokes, radius: f32) -> Mesh {
             .map(|target| MorphTarget {
                 positions: gather(&target.positions, &sources),
                 normals: Vec::new(),
+                tangents: Vec::new(),
                 colours: gather(&target.colours, &sources),
                 uv_sets: target.uv_sets.iter().map(|set| gather(set, &sources)).collect(),
             })
@@ -242,21 +242,13 @@ mod tests {
             scale: Vec3::splat(scale),
         };
         SceneParts {
-            nodes: vec![Node { name: String::new(), parent: None, transform }],
+            nodes: vec![Node { transform, ..Node::default() }],
             meshes: vec![Mesh {
                 positions: vec![Vec3::ZERO, Vec3::X * 10.0, Vec3::X * 5.0],
                 colours: vec![Vec4::ONE, Vec4::ZERO, Vec4::W],
                 ..Mesh::default()
             }],
-            instances: vec![Instance {
-                node: 0,
-                node_from_object: Affine3A::IDENTITY,
-                mesh: 0,
-                id: 0,
-                geometry: 0,
-                skin: None,
-                morph_weights: Vec::new(),
-            }],
+            instances: vec![Instance::default()],
             materials: vec![Material { double_sided: true, ..Material::default() }],
             exposure: 1.0,
             ..SceneParts::default()

@@ -2,6 +2,8 @@
 
 use std::{borrow::Cow, str::FromStr};
 
+use sheer_core::text::quoted;
+
 /// A line and its number, from 1.
 #[derive(Clone, Debug)]
 pub(super) struct Line<'a> {
@@ -28,7 +30,8 @@ impl Line<'_> {
     }
 }
 
-/// The lines of a text, whatever ends them; one that ends with a backslash goes on in the next.
+/// The lines of a text, whatever ends them; one that ends with a backslash goes on in the next, unless it is
+/// a comment, which may end with the name of a folder.
 pub(super) fn lines(bytes: &[u8]) -> impl Iterator<Item = Line<'_>> {
     // Of \r\n the second character ends an empty line, which no format minds; \r alone ends old ones.
     let mut rest = Some(bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes));
@@ -50,11 +53,12 @@ pub(super) fn lines(bytes: &[u8]) -> impl Iterator<Item = Line<'_>> {
         };
         let (number, line) = next()?;
         let mut text = Cow::Borrowed(line);
-        while let Some(joined) = text.strip_suffix(b"\\") {
-            let mut joined = joined.to_owned();
+        let is_comment = line.trim_ascii_start().starts_with(b"#");
+        while !is_comment && text.ends_with(b"\\") {
+            let joined = text.to_mut();
+            joined.pop();
             joined.push(b' ');
             joined.extend_from_slice(next().map_or(&b""[..], |(_, line)| line));
-            text = Cow::Owned(joined);
         }
         Some(Line { number, text })
     })
@@ -76,15 +80,9 @@ pub(super) fn next_number<'w, T: FromStr>(words: &mut impl Iterator<Item = &'w [
     number(words.next().ok_or("a number is missing; the line is cut short, export the file again")?)
 }
 
-/// A word of a file, short enough for a message and without what a terminal would obey.
+/// A word of a file as messages quote it.
 pub(super) fn shown(word: &[u8]) -> String {
-    const LONGEST: usize = 60;
-    let text = String::from_utf8_lossy(word);
-    let mut shown: String = text.chars().take(LONGEST).flat_map(char::escape_debug).collect();
-    if text.chars().nth(LONGEST).is_some() {
-        shown.push('…');
-    }
-    shown
+    quoted(&String::from_utf8_lossy(word))
 }
 
 #[cfg(test)]
@@ -101,6 +99,16 @@ mod tests {
         assert_eq!(words, [&b"c"[..], b"d"]);
         assert_eq!(lines[0].rest(), "1");
         assert_eq!((lines[3].words().count(), lines[4].place().as_str()), (0, "line 6"));
+    }
+
+    #[test]
+    fn a_comment_ends_with_its_line_and_many_joined_lines_take_no_longer_than_others() {
+        let text = b"  # exported from C:\\models\\\nv 1\n";
+        let all: Vec<Line<'_>> = lines(text).collect();
+        assert_eq!(all[1].words().count(), 2);
+        let endless = b"\\\n".repeat(500_000);
+        let joined: Vec<Line<'_>> = lines(&endless).collect();
+        assert_eq!((joined.len(), joined[0].words().count()), (1, 0));
     }
 
     #[test]

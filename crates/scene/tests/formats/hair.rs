@@ -114,7 +114,7 @@ fn odd_files_are_drawn_as_far_as_they_are_sound() {
     assert_eq!(parts_of(&clear.bytes(), "a.hair").meshes[0].colours[0].w, 0.0);
     let mut broken = Hair::two_strands();
     broken.points[4][1] = f32::INFINITY;
-    let parts = warned(&broken.bytes(), "a.hair", "1 strands with a point or thickness that is not finite");
+    let parts = warned(&broken.bytes(), "a.hair", "one strand with a point or thickness that is not finite");
     assert_eq!(parts.meshes[0].indices.len(), 4);
     let mut longer = Hair::two_strands().bytes();
     longer.extend([1, 2, 3]);
@@ -131,7 +131,19 @@ fn what_cannot_be_read_is_named_with_its_byte_or_strand() {
     bald[12] = 1;
     refused(&bald, "a.hair", "byte 12: the file has no points");
     let greedy = Hair { segments: Some(vec![2, 9]), ..Hair::two_strands() };
-    refused(&greedy.bytes(), "a.hair", "strand 1: it needs points 3 to 13, but there are only 5");
+    let parts = warned(&greedy.bytes(), "a.hair", "strand 1: it needs points 3 to 13, but there are only 5");
+    assert_eq!(parts.meshes[0].indices.len(), 4, "the strand before it is drawn");
+    // Cut short within its colours: those that are missing are the file's own.
+    let coloured = Hair { colours: Some(vec![[0.0, 1.0, 0.0]; 5]), ..Hair::two_strands() }.bytes();
+    let parts = warned(&coloured[..coloured.len() - 12], "a.hair", "5 colours of 12 bytes should stand here");
+    assert!(
+        close(parts.meshes[0].colours[0].truncate(), Vec3::Y)
+            && close(parts.meshes[0].colours[9].truncate(), Vec3::X)
+    );
+    let thin = Hair { thickness: Some(vec![0.0; 5]), ..Hair::two_strands() };
+    let parts = warned(&thin.bytes(), "a.hair", "they have no thickness");
+    let mesh = &parts.meshes[0];
+    assert!(mesh.positions[0].distance(mesh.positions[1]) > 1e-3);
     let many = Hair { strand_count: u32::MAX, ..Hair::two_strands() };
     refused(&many.bytes(), "a.hair", "byte 128: 4294967295 numbers of segments");
     let endless = Hair { segments: None, default_segments: u32::MAX, ..Hair::two_strands() };

@@ -6,7 +6,7 @@ use glam::{Vec2, Vec3, Vec4};
 use sheer_image::{Image, Metadata, encode_png};
 use sheer_scene::{
     LoadOptions, Loaded, SceneError, SceneParts,
-    load::open_with,
+    load::{open_with, read},
     model::{AlphaMode, Wrap},
 };
 
@@ -135,6 +135,12 @@ fn vertex_colours_may_have_an_alpha() {
     assert!(close(first.truncate(), Vec3::X) && first.w == 0.5, "{first}");
     assert!(close(second.truncate(), Vec3::Y) && second.w == 1.0, "{second}");
     assert_eq!(parts.materials[parts.meshes[0].material as usize].alpha_mode, AlphaMode::Blend);
+    // Some programs write bytes in the place of shares.
+    let bytes = parts_of(b"v 0 0 0 255 0 0\nv 1 0 0 0 51 0\nv 0 1 0 0 0 0\nf 1 2 3\n", "a.obj");
+    let shares = parts_of(b"v 0 0 0 1 0 0\nv 1 0 0 0 0.2 0\nv 0 1 0 0 0 0\nf 1 2 3\n", "a.obj");
+    assert!(
+        bytes.meshes[0].colours.iter().zip(&shares.meshes[0].colours).all(|(a, b)| (a - b).length() < 1e-6)
+    );
     // A fourth number alone is a weight, which triangles do not have.
     assert!(parts_of(b"v 0 0 0 1\nv 1 0 0 1\nv 0 1 0 1\nf 1 2 3\n", "a.obj").meshes[0].colours.is_empty());
 }
@@ -175,7 +181,9 @@ fn tf_colours_what_passes() {
 #[test]
 fn images_colour_and_cut_out() {
     let red_and_blue = [[255, 0, 0, 255], [0, 0, 255, 255]];
-    let text = "newmtl a\nKd 0 0 0\nmap_Kd -s 2 3 1 -o 0.25 0.5 -clamp on my wood.png\nmap_d mask.png\n";
+    let layout = "-s 2 3 1 -o 0.25 0.5 -clamp on";
+    let text = format!("newmtl a\nKd 0 0 0\nmap_Kd {layout} my wood.png\nmap_d {layout} -bm 1 mask.png\n");
+    let text = text.as_str();
     let folder = Folder::new(text).image("my wood.png", red_and_blue);
     let folder = folder.image("mask.png", [[255; 4], [51, 51, 51, 255]]);
     let parts = folder.parts();
@@ -201,6 +209,64 @@ fn images_colour_and_cut_out() {
 }
 
 #[test]
+fn a_mask_has_a_layout_of_its_own() {
+    let files = |text: &str| {
+        let folder =
+            Folder::new(&format!("newmtl a\n{text}\n")).image("c.png", [[255, 0, 0, 255], [0, 0, 255, 255]]);
+        folder.image("m.png", [[255; 4], [0, 0, 0, 255]])
+    };
+    // The mask is repeated on the colours, or the colours on the mask.
+    let parts = files("map_Kd c.png\nmap_d -s 2 1 1 m.png").parts();
+    let (red, blue) = ([255, 0, 0], [0, 0, 255]);
+    let texels = |parts: &SceneParts| -> Vec<([u8; 3], bool)> {
+        let used = material(parts).base_colour_texture.unwrap();
+        let texels = parts.textures[used.texture as usize].image.as_slice();
+        texels.iter().map(|&[r, g, b, a]| ([r, g, b], a > 127)).collect()
+    };
+    assert_eq!(texels(&parts), [(red, true), (red, false), (blue, true), (blue, false)]);
+    let parts = files("map_Kd -s 2 1 1 c.png\nmap_d m.png").parts();
+    assert_eq!(texels(&parts), [(red, true), (blue, true), (red, false), (blue, false)]);
+    assert_eq!(material(&parts).base_colour_texture.unwrap().transform, glam::Affine2::IDENTITY);
+    // Turned around by half of its width.
+    let parts = files("map_Kd c.png\nmap_d -o 0.5 0 m.png").parts();
+    assert_eq!(texels(&parts), [(red, false), (blue, true)]);
+    files("map_Kd c.png\nmap_d -s 1.5 1 1 m.png").warned("line 3: it is laid out otherwise than 'map_Kd'");
+}
+
+#[test]
+fn images_of_other_systems_are_found_and_read() {
+    let folder = Folder::new("newmtl a\nmap_Kd Textures\\Wood.PNG\n");
+    fs::create_dir(folder.path().join("textures")).unwrap();
+    let folder = folder.image("textures/wood.png", [[9, 9, 9, 255]; 2]);
+    let parts = folder.warned("'textures/wood.png' was taken from beside the file for 'Textures\\Wood.PNG'");
+    assert!(material(&parts).base_colour_texture.is_some());
+    // A TGA has its alpha in a fourth byte, or means nothing by it.
+    let tga = |alpha: u8| {
+        let header = [0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 1, 0, 32, 0x28];
+        [&header[..], &[3, 2, 1, alpha]].concat()
+    };
+    for (alpha, seen) in [(77, 77), (0, 255)] {
+        let folder = Folder::new("newmtl a\nmap_Kd a.TGA\n");
+        fs::write(folder.path().join("a.TGA"), tga(alpha)).unwrap();
+        assert_eq!(folder.parts().textures[0].image.as_slice(), [[1, 2, 3, seen]]);
+    }
+}
+
+#[test]
+fn materials_are_read_once_wherever_they_are_named() {
+    // By a path of another machine, in quotes, in other letters, twice, before and after what uses them.
+    for line in ["mtllib C:\\models\\a.mtl", "mtllib \"a.mtl\"", "mtllib A.MTL", "mtllib ./a.mtl a.mtl"] {
+        let folder = Folder::new("newmtl a\nKd 1 0 0\n");
+        let faces = format!("usemtl a\nf 1 2 3\n{line}\nmtllib a.mtl\n");
+        fs::write(folder.path().join("a.obj"), format!("{SQUARE}{faces}")).unwrap();
+        let parts = folder.open().unwrap().scene.parts().clone();
+        assert!(close(material(&parts).base_colour.truncate(), Vec3::X), "{line}");
+    }
+    Folder::new("newmtl a\nmap_Ka x.png\n")
+        .warned("a.mtl, line 2: 'map_Ka' has no effect here without 'map_Kd'");
+}
+
+#[test]
 fn what_is_missing_beside_the_file_is_named_and_drawn_without() {
     let alone = square("mtllib none.mtl\nusemtl a\nf 1 2 3 4\n");
     let parts = warned(&alone, "a.obj", "line 6: its materials are not there");
@@ -210,7 +276,7 @@ fn what_is_missing_beside_the_file_is_named_and_drawn_without() {
     assert!(material(&parts).base_colour_texture.is_none());
     let folder = Folder::new("newmtl a\nmap_Kd C:\\Users\\me\\wood.png\n");
     let folder = folder.image("wood.png", [[9, 9, 9, 255]; 2]);
-    let parts = folder.warned("'wood.png' was taken from beside the file");
+    let parts = folder.warned("'wood.png' was taken from beside the file for 'C:\\Users\\me\\wood.png'");
     assert!(material(&parts).base_colour_texture.is_some());
     let parts = Folder::new("newmtl a\nmap_Kd ../../secret.png\n").warned("lies outside the folder");
     assert!(parts.textures.is_empty());
@@ -229,7 +295,12 @@ fn odd_files_are_drawn_as_far_as_they_are_sound() {
         ),
         ("f 1 2 3\nf 0 1 2\n", "line 7: a face was left out: it refers to vertex 0", 1),
         ("f 1 2 3\nf -9 1 2\n", "vertex -9", 1),
-        ("f 1 2 3\nf 1/7 2/7 3/7\n", "texture coordinate 7", 1),
+        (
+            "f 1 2 3\nf 1/7 2/7 3/7\n",
+            "line 7: a face is drawn without a part of it: it refers to texture coordinate 7",
+            2,
+        ),
+        ("f 1 2 3\nf 1//1 2//1 3//1\n", "normal 1, but 0 stand before it", 2),
         ("f 1 2 3\nf 1 2\n", "line 7: a face of fewer than three corners", 1),
         ("v nan 0 0\nf 1 2 3\nf 1 2 5\n", "line 8: a face with a vertex that is not finite", 1),
         ("f 1 2 3\ncurv 0 1 1 2\n", "'curv' has no effect", 1),
@@ -243,7 +314,23 @@ fn odd_files_are_drawn_as_far_as_they_are_sound() {
     {
         assert_eq!(parts_of(&square(odd), "a.obj").meshes.len(), 1, "{odd}");
     }
-    assert!(parts_of(b"v 0 0 0\n", "a.obj").meshes.is_empty());
+    // One bad line does not cost the file, and those after it keep their numbers.
+    for (rest, says, count) in [
+        ("v 9 zero 9\nv 1 1 1\nf 1 2 6\nf 1 2 5\n", "line 6: 'zero' is not a number", 1),
+        ("vt 0,5 0\nvt 1 1\nf 1/2 2/1 3/2\n", "line 6: '0,5' is not a number", 1),
+        ("vn 0 0\nf 1//1 2//1 3//1\n", "line 6: a number is missing", 1),
+        ("f 1 2 3\nf 1 2 three\n", "line 7: a face was left out: 'three' is not a number", 1),
+        ("f 1 2 3\nf /1 2 3\n", "line 7: a face was left out: '/1' names no vertex", 1),
+        ("f 1 2 3\nl 1 9 2\n", "line 7: a vertex was left out: it refers to vertex 9", 1 + 6),
+    ] {
+        let parts = warned(&square(rest), "a.obj", says);
+        assert_eq!(parts.meshes.iter().map(|mesh| mesh.indices.len()).sum::<usize>(), count, "{rest}");
+        let strict = LoadOptions { strict: true, ..LoadOptions::default() };
+        let error = read(&square(rest), Path::new("a.obj"), &strict).unwrap_err().to_string();
+        assert!(error.contains(says) && error.contains("without --strict"), "{error}");
+    }
+    // Vertices alone are points, as scanners write them.
+    assert_eq!(parts_of(SQUARE.as_bytes(), "a.obj").meshes[0].indices.len(), 4 * 8);
     // Of a thousand broken faces some are told, the others counted.
     let many = format!("f 1 2 3\n{}", "f 1 2 99\n".repeat(1000));
     let loaded = load(&square(&many), "a.obj").unwrap();
@@ -253,9 +340,9 @@ fn odd_files_are_drawn_as_far_as_they_are_sound() {
 
 #[test]
 fn what_cannot_be_read_is_named_with_its_line() {
-    refused(b"v 0 0 0\nv 1 zero 0\n", "a.obj", "line 2: 'zero' is not a number");
+    // Where nothing is left, the first loss is the error.
     refused(b"v 0 0\n", "a.obj", "line 1: a vertex needs three numbers");
-    refused(&square("f 1 2 three\n"), "a.obj", "line 6: 'three' is not a number");
-    refused(&square("f /1 2 3\n"), "a.obj", "line 6: '/1' names no vertex");
+    refused(&square("f 1 2 three\n"), "a.obj", "line 6: a face was left out: 'three' is not a number");
+    refused(&square("f 1 2 9\n"), "a.obj", "line 6: a face was left out: it refers to vertex 9");
     refused(b"PK\x03\x04 not an obj at all", "a.obj", "this is no OBJ file");
 }

@@ -1,9 +1,14 @@
 //! PLY.
 
+use std::path::Path;
+
 use glam::{Vec2, Vec3};
-use sheer_scene::model::AlphaMode;
+use sheer_scene::{LoadOptions, load::read, model::AlphaMode};
 
 use crate::reading::{area, close, parts_of, refused, warned};
+
+/// Its vertices.
+const SQUARE: &str = "0 0 0\n1 0 0\n1 1 0\n0 1 0\n";
 
 /// A square of four vertices as two triangles, with what the header and rows of vertices say besides.
 fn square(properties: &str, row: [&str; 4]) -> String {
@@ -60,9 +65,10 @@ fn binary(is_little: bool) -> Vec<u8> {
 }
 
 #[test]
-fn both_byte_orders_are_read_and_polygons_are_fans() {
+fn both_byte_orders_are_read_and_polygons_are_cut() {
     for is_little in [true, false] {
-        let parts = parts_of(&binary(is_little), "a.ply");
+        let parts =
+            warned(&binary(is_little), "a.ply", "element 'face': properties without effect here: 'weights'");
         let mesh = &parts.meshes[0];
         assert_eq!((mesh.indices.len(), mesh.positions.len()), (2, 4));
         assert!((area(mesh) - 1.0).abs() < 1e-6);
@@ -123,15 +129,98 @@ fn what_cannot_be_read_is_named_with_its_line_or_byte() {
     refused(plain.replace("ascii", "utf8").as_bytes(), "a.ply", "line 2: 'utf8' is no format");
     refused(plain.replace("float y", "real y").as_bytes(), "a.ply", "line 6: 'real' is no type");
     refused(plain.replace("float z", "float w").as_bytes(), "a.ply", "no x, y and z");
-    refused(plain.replace("1 0 0", "1 o 0").as_bytes(), "a.ply", "line 12: 'o' is not a number");
     refused(
         plain.replace("vertex 4", "vertex 4000000000").as_bytes(),
         "a.ply",
         "4000000000 of 'vertex' are promised",
     );
-    refused(plain.replace("3 0 2 3\n", "").as_bytes(), "a.ply", "ends before its last element");
-    refused(plain.replace("3 0 2 3", "300000 0 2 3").as_bytes(), "a.ply", "a list of 300000");
+    let two_lists = plain.replace("uchar int vertex_indices", "uchar int a\nproperty list uchar int b");
+    let parts = warned(two_lists.as_bytes(), "a.ply", "no list vertex_indices");
+    assert_eq!(parts.meshes[0].indices.len(), 4 * 8, "the vertices are left");
+    // Where nothing is left, the first loss is the error.
+    let (header, _) = plain.split_once("end_header").unwrap();
+    refused(
+        format!("{header}end_header\nx 0 0\n").as_bytes(),
+        "a.ply",
+        "the file ends before its last element",
+    );
+}
+
+#[test]
+fn what_is_cut_short_or_wrong_is_drawn_as_far_as_it_is_sound() {
+    let plain = square("", [""; 4]);
+    let cut = plain.replace("3 0 2 3\n", "");
+    assert_eq!(
+        warned(cut.as_bytes(), "a.ply", "the file ends before its last element").meshes[0].indices.len(),
+        1
+    );
+    let list = plain.replace("3 0 2 3", "300000 0 2 3");
+    assert_eq!(warned(list.as_bytes(), "a.ply", "a list of 300000").meshes[0].indices.len(), 1);
+    let word = plain.replace("0 1 0", "0 o 0");
+    let parts = warned(word.as_bytes(), "a.ply", "line 14: 'o' is not a number");
+    assert_eq!(parts.meshes[0].indices.len(), 1, "one of two has that vertex");
+    let strict = LoadOptions { strict: true, ..LoadOptions::default() };
+    for text in [cut, list, word] {
+        assert!(read(text.as_bytes(), Path::new("a.ply"), &strict).is_err());
+    }
+    // Cut within its faces, a file still has its vertices.
     let bytes = binary(true);
-    refused(&bytes[..bytes.len() - 2], "a.ply", "byte");
-    refused(plain.replace("vertex_indices", "corners").as_bytes(), "a.ply", "no list vertex_indices");
+    let parts = warned(&bytes[..bytes.len() - 2], "a.ply", "what stands before it is drawn");
+    assert_eq!(parts.meshes[0].indices.len(), 4 * 8);
+    // The only list is that of the vertices, whatever its name.
+    let renamed = plain.replace("vertex_indices", "corners");
+    assert_eq!(parts_of(renamed.as_bytes(), "a.ply").meshes[0].indices.len(), 2);
+}
+
+#[test]
+fn faces_may_stand_first_be_concave_and_have_colours() {
+    let vertices = "element vertex 4\nproperty float x\nproperty float y\nproperty float z\n";
+    let header = |elements: &str| format!("ply\nformat ascii 1.0\n{elements}end_header\n");
+    let faces = "element face 1\nproperty list uchar int vertex_indices\n";
+    // An arrow head, whose fan around its first corner would reach outside.
+    let arrow = "2 -1 0\n1 0 0\n2 1 0\n0 0 0\n";
+    for (elements, body) in [
+        (format!("{vertices}{faces}"), format!("{arrow}4 0 1 2 3\n")),
+        (format!("{faces}{vertices}"), format!("4 0 1 2 3\n{arrow}")),
+    ] {
+        let parts = parts_of(format!("{}{body}", header(&elements)).as_bytes(), "a.ply");
+        assert!((area(&parts.meshes[0]) - 1.0).abs() < 1e-6);
+    }
+    let coloured = faces.replace("element face 1", "element face 2")
+        + "property uchar red\nproperty uchar green\nproperty uchar blue\n";
+    let text =
+        format!("{}{SQUARE}3 0 1 2 255 0 0\n3 0 2 3 0 0 255\n", header(&format!("{vertices}{coloured}")));
+    let parts = parts_of(text.as_bytes(), "a.ply");
+    let mesh = &parts.meshes[0];
+    let colour = |face: usize, corner: usize| mesh.colours[mesh.indices[face][corner] as usize].truncate();
+    assert_eq!(mesh.positions.len(), 6, "the edge between two colours is divided");
+    assert!((0..3).all(|corner| close(colour(0, corner), Vec3::X) && close(colour(1, corner), Vec3::Z)));
+}
+
+#[test]
+fn colours_are_of_the_unit_in_which_they_are_written() {
+    for (kind, row) in [
+        ("uchar", "255 51 0"),
+        ("float", "1 0.2 0"),
+        ("float", "255 51 0"),
+        ("int", "255 51 0"),
+        ("ushort", "65535 13107 0"),
+        ("double", "1 0.2 0"),
+    ] {
+        let properties = format!("property {kind} red\nproperty {kind} green\nproperty {kind} blue\n");
+        let parts = parts_of(square(&properties, [row; 4]).as_bytes(), "a.ply");
+        let colour = parts.meshes[0].colours[0].truncate();
+        assert!(close(colour, Vec3::new(1.0, 0.0331, 0.0)), "{kind} {row}: {colour}");
+    }
+}
+
+#[test]
+fn properties_without_effect_are_named() {
+    let text = square("property float quality\nproperty float f_dc_0\n", ["1 2"; 4]);
+    let parts = warned(
+        text.as_bytes(),
+        "a.ply",
+        "element 'vertex': properties without effect here: 'quality', 'f_dc_0'",
+    );
+    assert_eq!(parts.meshes[0].indices.len(), 2);
 }

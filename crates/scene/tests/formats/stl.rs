@@ -78,6 +78,14 @@ fn odd_files_are_drawn_as_far_as_they_are_sound() {
     let mut longer = whole.clone();
     longer.extend([0; 30]);
     assert_eq!(parts_of(&longer, "a.stl").meshes[0].indices.len(), 2);
+    // A number that was never filled in, and one that is too small.
+    for (claimed, says, count) in
+        [(0, "no triangles are promised, but 2 are there", 2), (1, "50 bytes after them", 1)]
+    {
+        let mut other = whole.clone();
+        other[80] = claimed;
+        assert_eq!(warned(&other, "a.stl", says).meshes[0].indices.len(), count, "{says}");
+    }
     let mut broken = whole;
     broken[84 + 12..84 + 16].copy_from_slice(&f32::NAN.to_le_bytes());
     assert_eq!(warned(&broken, "a.stl", "not finite").meshes[0].indices.len(), 1);
@@ -97,13 +105,14 @@ fn odd_files_are_drawn_as_far_as_they_are_sound() {
 
 #[test]
 fn what_cannot_be_read_is_named_with_its_line_or_byte() {
-    refused(TEXT.replace("1.0e0", "1,0").as_bytes(), "a.stl", "line 6: '1,0' is not a number");
-    refused(TEXT.replace("1.0e0 1 0", "1 1").as_bytes(), "a.stl", "line 6: a number is missing");
-    refused(
-        TEXT.replace("outer loop", "inner loop").as_bytes(),
-        "a.stl",
-        "line 3: 'inner' is no word of STL",
-    );
+    for (text, says, count) in [
+        (TEXT.replace("1.0e0", "1,0"), "line 6: '1,0' is not a number", 1),
+        (TEXT.replace("1.0e0 1 0", "1 1"), "line 6: a number is missing", 1),
+        (TEXT.replace("outer loop", "inner loop"), "line 3: 'inner' is no word of STL", 2),
+    ] {
+        assert_eq!(warned(text.as_bytes(), "a.stl", says).meshes[0].indices.len(), count, "{says}");
+    }
+    refused(b"solid ground is what it stands on\nand no more\n", "a.stl", "line 2: 'and' is no word of STL");
     refused(b"", "a.stl", "this is no STL file");
     refused(&binary(b"", [0; 2])[..100], "a.stl", "byte 80: 2 triangles are promised");
 }

@@ -237,13 +237,13 @@ fn a_thousand_uses_of_one_accessor_are_paid_for() {
 #[test]
 fn a_billion_triangles_by_instancing_are_refused() {
     let spoil = |builder: &mut Builder| {
-        let many = builder.accessor("VEC3", 5126, &vec![0; 36 << 12], 3 << 12);
+        let many = builder.accessor("VEC3", 5126, &vec![0; 36 << 15], 3 << 15);
         builder.attribute("POSITION", many);
-        let places = builder.accessor("VEC3", 5126, &vec![0; 12 << 15], 1 << 15);
+        let places = builder.accessor("VEC3", 5126, &vec![0; 12 * ((1 << 15) + 1)], (1 << 15) + 1);
         builder.json["nodes"][0]["extensions"] =
             json!({"EXT_mesh_gpu_instancing": {"attributes": {"TRANSLATION": places}}});
     };
-    refused(spoil, "nodes[0] ('root')", &["67108864 triangles", "reduce or split it"]);
+    refused(spoil, "meshes", &["1073741824 drawn", "reduce or split the file"]);
 }
 
 #[test]

@@ -5,7 +5,7 @@ use std::{fs, sync::Arc};
 use glam::{Affine3A, Quat, Vec2, Vec3, Vec4};
 use serde_json::json;
 use sheer_scene::{
-    Animator, CameraChoice, ClipPlanes, Environment, Lens, LoadWarning, Loaded,
+    Animator, Beam, CameraChoice, ClipPlanes, Environment, Lens, LoadWarning, Loaded, Scene,
     model::{
         AlphaMode, Factor, Filter, Interpolation, Keys, LevelFilter, LightKind, Material, Mesh, Minification,
         Property, SceneParts, ShadingModel, Track, Transform, Wrap,
@@ -354,6 +354,125 @@ fn animation_pointers_change_materials_lights_and_nodes() {
     // The light hangs on two nodes.
     assert!(matches!(&animation.properties[5], Property::LightIntensity { lights, colour, intensity }
         if *lights == [0, 1] && colour.value_at(0.0) == Vec3::X && at_end(intensity) == 6.0));
+}
+
+#[test]
+fn the_shape_of_a_light_is_animated() {
+    let mut builder = Builder::triangle();
+    builder.json["extensions"] = json!({"KHR_lights_punctual": {"lights": [
+        {"type": "spot", "range": 2, "spot": {"innerConeAngle": 0.2, "outerConeAngle": 0.4}}]}});
+    builder.json["nodes"][0]["extensions"] = json!({"KHR_lights_punctual": {"light": 0}});
+    let light = "/extensions/KHR_lights_punctual/lights/0";
+    animate_pointer(&mut builder, &format!("{light}/range"), "SCALAR", &[2.0, 4.0]);
+    animate_pointer(&mut builder, &format!("{light}/spot/innerConeAngle"), "SCALAR", &[0.2, 1.2]);
+    animate_pointer(&mut builder, &format!("{light}/spot/outerConeAngle"), "SCALAR", &[0.4, 0.8]);
+    let loaded = builder.load().unwrap();
+    assert!(loaded.warnings.is_empty(), "{:?}", loaded.warnings);
+    let scene = Arc::new(loaded.scene);
+    let mut animator = Animator::new(Arc::clone(&scene), scene.camera(&CameraChoice::Default).unwrap());
+    for (time_secs, inner, outer, far) in
+        [(0.0, 0.2, 0.4, 2.0), (0.25, 0.45, 0.5, 2.5), (0.75, 0.7, 0.7, 3.5)]
+    {
+        let frame = animator.advance(time_secs, 0.0);
+        let LightKind::Spot { range, inner_cone_rad, outer_cone_rad } = frame.lights()[0].kind else {
+            panic!("it is a spot")
+        };
+        // The inner cone stays within the outer one.
+        let found = Vec3::new(range, inner_cone_rad, outer_cone_rad);
+        assert!((found - Vec3::new(far, inner, outer)).length() < 1e-5, "{time_secs}: {found}");
+        assert_eq!(frame.is_still(), time_secs == 0.0);
+    }
+}
+
+#[test]
+fn transmission_fades_where_it_is_the_same_all_over() {
+    let pointer = "/materials/0/extensions/KHR_materials_transmission/transmissionFactor";
+    let glass = |factor: f32, values: &[f32]| {
+        let mut builder = Builder::triangle();
+        let transmission = json!({"transmissionFactor": factor});
+        builder.material(json!({
+            "pbrMetallicRoughness": {"baseColorFactor": [1, 0, 0, 1], "metallicFactor": 0},
+            "extensions": {"KHR_materials_transmission": transmission},
+        }));
+        animate_pointer(&mut builder, pointer, "SCALAR", values);
+        builder
+    };
+    // From clear to opaque, from opaque to clear: what is transmitted is missing of the alpha.
+    for (factor, values) in [(1.0, [1.0, 0.0]), (0.0, [0.0, 1.0])] {
+        let scene = Arc::new(glass(factor, &values).load().unwrap().scene);
+        let mut animator = Animator::new(Arc::clone(&scene), scene.camera(&CameraChoice::Default).unwrap());
+        for (time_secs, of_one) in [(0.0, values[0]), (0.5, 0.5), (0.999_99, values[1])] {
+            let frame = animator.advance(time_secs, 0.0);
+            let material = &frame.materials()[0];
+            assert!((material.transmission - 0.85 * of_one).abs() < 1e-4, "{factor} {time_secs}");
+            assert!(
+                (frame.opacity(0, 0.2, 0.2, 0.0) - (1.0 - 0.85 * of_one)).abs() < 1e-4,
+                "{factor} {time_secs}"
+            );
+            if of_one >= 0.5 || time_secs == 0.0 {
+                assert_eq!(frame.tints_light(), of_one > 0.0, "{factor} {time_secs}");
+            }
+        }
+    }
+    // Where an image says how much, it stays as it is, which is said.
+    let mut textured = glass(1.0, &[1.0, 0.0]);
+    let texture = textured.texture([128, 0, 0, 255]);
+    textured.json["materials"][0]["extensions"]["KHR_materials_transmission"]["transmissionTexture"] =
+        json!({"index": texture});
+    let warnings = textured.load().unwrap().warnings;
+    assert!(
+        warnings
+            .iter()
+            .any(|said| matches!(said, LoadWarning::NotAnimated { pointer: what, .. } if what == pointer)),
+        "{warnings:?}"
+    );
+}
+
+#[test]
+fn an_alpha_fades_together_with_transmission() {
+    let mut builder = Builder::triangle();
+    builder.material(json!({
+        "alphaMode": "BLEND",
+        "pbrMetallicRoughness": {"baseColorFactor": [1, 1, 1, 1], "metallicFactor": 0},
+        "extensions": {"KHR_materials_transmission": {"transmissionFactor": 1}},
+    }));
+    let colours = [1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 0.0];
+    animate_pointer(&mut builder, "/materials/0/pbrMetallicRoughness/baseColorFactor", "VEC4", &colours);
+    let scene = Arc::new(builder.load().unwrap().scene);
+    let mut animator = Animator::new(Arc::clone(&scene), scene.camera(&CameraChoice::Default).unwrap());
+    for time_secs in [0.0, 0.5] {
+        let opacity = animator.advance(time_secs, 0.0).opacity(0, 0.2, 0.2, 0.0);
+        assert!((opacity - 0.15 * (1.0 - time_secs)).abs() < 1e-5, "{time_secs}: {opacity}");
+    }
+}
+
+#[test]
+fn tangents_morph_as_the_file_says() {
+    let mut builder = Builder::triangle();
+    let normals = builder.floats("VEC3", &[0.0, 0.0, 1.0].repeat(3));
+    let tangents = builder.floats("VEC4", &[1.0, 0.0, 0.0, -1.0].repeat(3));
+    builder.attribute("NORMAL", normals);
+    builder.attribute("TANGENT", tangents);
+    let moves = builder.floats("VEC3", &[-1.0, 1.0, 0.0].repeat(3));
+    builder.primitive()["targets"] = json!([{"TANGENT": moves}]);
+    builder.json["meshes"][0]["weights"] = json!([1.0]);
+    let texture = builder.texture([255, 128, 128, 255]);
+    builder.material(json!({"normalTexture": {"index": texture}}));
+    let loaded = builder.load_strictly().unwrap();
+    assert!(loaded.warnings.is_empty(), "{:?}", loaded.warnings);
+    assert_eq!(loaded.scene.parts().meshes[0].morph_targets[0].tangents, [Vec3::new(-1.0, 1.0, 0.0); 3]);
+    // The map bends the normal all the way to the tangent, which the morph has turned by a right angle.
+    let normal = |weight: f32| {
+        let mut parts = loaded.scene.parts().clone();
+        parts.instances[0].morph_weights = vec![weight];
+        let scene = Arc::new(Scene::new(parts).unwrap());
+        let camera = scene.camera(&CameraChoice::Default).unwrap();
+        let beam = Beam { direction: Vec3::NEG_Z, width: 0.0 };
+        let animator = Animator::new(scene, camera);
+        animator.frame().surface(0, 0.25, 0.25, true, beam).normal
+    };
+    let (rest, turned) = (normal(0.0), normal(1.0));
+    assert!(rest.x > 0.99 && turned.y > 0.99, "{rest} and {turned}");
 }
 
 #[test]

@@ -40,6 +40,35 @@ fn a_file_without_faults_loads_strictly() {
 }
 
 #[test]
+fn a_texture_falls_back_on_another_of_its_images() {
+    let plain = |builder: &mut Builder| {
+        let texture = builder.texture([1, 2, 3, 4]);
+        builder.json["textures"][texture]["source"].clone()
+    };
+    for (extension, image, lost) in [
+        ("EXT_texture_webp", json!({"uri": "gone.webp"}), "images[1] ('gone.webp')"),
+        ("KHR_texture_basisu", json!({"uri": "data:image/ktx2;base64,q0tUWCAyMLsNChoK"}), "images[1]"),
+        ("EXT_texture_webp", json!(null), "textures[1]: image 99"),
+    ] {
+        let mut builder = square();
+        let source = plain(&mut builder);
+        let better = if image.is_null() { 99 } else { builder.push("images", image) };
+        let texture = builder
+            .push("textures", json!({"source": source, "extensions": {extension: {"source": better}}}));
+        builder.material(json!({"emissiveTexture": {"index": texture}}));
+        let parts = salvaged(&builder, &[lost]);
+        let used = parts.materials[0].emissive_texture.unwrap();
+        assert_eq!(parts.textures[used.texture as usize].image.as_slice(), [[1, 2, 3, 4]], "{extension}");
+        let said = builder.load().unwrap().warnings[0].to_string();
+        assert!(said.ends_with("another image of its texture is drawn"), "{said}");
+        // Without another one the texture is lost.
+        builder.json["textures"][texture].as_object_mut().unwrap().remove("source");
+        let parts = salvaged(&builder, &[lost.split(':').next().unwrap()]);
+        assert!(parts.materials[0].emissive_texture.is_none(), "{extension}");
+    }
+}
+
+#[test]
 fn a_missing_image_costs_the_textures_that_show_it() {
     let mut builder = square();
     let found = builder.texture([1, 2, 3, 4]);

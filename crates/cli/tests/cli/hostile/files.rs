@@ -81,6 +81,19 @@ pub(super) const FILES: &[Hostile] = &[
     Hostile { name: "webp.gltf", make: webp_bomb, end: Error("scale it down") },
     Hostile { name: "ktx2.gltf", make: ktx2_bomb, end: Error("scale it down") },
     Hostile { name: "basis.gltf", make: basis_bomb, end: Error("scale it down") },
+    Hostile { name: "many-show-one.gltf", make: many_show_one, end: Picture },
+    // The plainer formats.
+    Hostile { name: "continued.obj", make: continued, end: Error("this is no OBJ file") },
+    Hostile { name: "tangled.obj", make: tangled, end: Picture },
+    Hostile { name: "name.obj", make: object_name, end: Picture },
+    Hostile { name: "corners.obj", make: corners, end: BeyondLimit("faces") },
+    Hostile { name: "libraries.obj", make: libraries, end: Picture },
+    Hostile { name: "materials.obj", make: obj_materials, end: Picture },
+    Hostile { name: "masks.obj", make: masks, end: BeyondLimit("masks.mtl, line") },
+    Hostile { name: "bmp.obj", make: bmp_bomb, end: Picture },
+    Hostile { name: "elements.ply", make: elements, end: Any },
+    Hostile { name: "points.ply", make: points, end: BeyondLimit("triangles") },
+    Hostile { name: "strands.hair", make: strands, end: BeyondLimit("triangles") },
 ];
 
 /// Three corners of a triangle that is seen.
@@ -550,4 +563,117 @@ fn ktx2_bomb(path: &Path) {
 
 fn basis_bomb(path: &Path) {
     with_image(path, &ktx2(0, 16_384, 0, &[0; 16], 16));
+}
+
+/// Each of many materials asks all texels of one image.
+fn many_show_one(path: &Path) {
+    fs::write(path.with_extension("png"), black_png(4096)).unwrap();
+    changed(path, |json| {
+        json["images"] = json!([{"uri": "many-show-one.png"}]);
+        json["textures"] = json!([{"source": 0}]);
+        let material = json!({
+            "pbrMetallicRoughness": {"baseColorTexture": {"index": 0}, "metallicFactor": 0},
+            "extensions": {"KHR_materials_transmission": {"transmissionFactor": 1}},
+        });
+        json["materials"] = times(2000, &material);
+        let primitive = |at| json!({"attributes": {"POSITION": 0}, "material": at});
+        json["meshes"][0]["primitives"] = (0..2000).map(primitive).collect();
+    });
+}
+
+/// One line in half a million lines.
+fn continued(path: &Path) {
+    fs::write(path, "\\\n".repeat(500_000)).unwrap();
+}
+
+/// Three vertices of a triangle that is seen, as OBJ.
+const OBJ: &str = "v -1 -1 0\nv 1 -1 0\nv 0 1 0\n";
+
+/// Polygons that wind around themselves.
+fn tangled(path: &Path) {
+    let vertex = |at: u32| {
+        let (sin, cos) = (2.4 * f64::from(at)).sin_cos();
+        let radius = 1.0 + 0.3 * f64::from(at % 7);
+        format!("v {:.3} {:.3} 0\n", radius * cos, radius * sin)
+    };
+    let vertices: String = (0..400).map(vertex).collect();
+    let face: String = (1..=400).map(|at| format!(" {at}")).collect();
+    fs::write(path, format!("{vertices}{}", format!("f{face}\n").repeat(600))).unwrap();
+}
+
+fn object_name(path: &Path) {
+    let faces: String = (0..20_000).map(|at| format!("usemtl {at}\nf 1 2 3\n")).collect();
+    fs::write(path, format!("o {}\n{OBJ}{faces}", long_name())).unwrap();
+}
+
+/// Faces of as many corners as fit.
+fn corners(path: &Path) {
+    fs::write(path, format!("{OBJ}f{}\n", " 1 2 3".repeat(4_000_000))).unwrap();
+}
+
+/// A file of materials under a thousand names.
+fn libraries(path: &Path) {
+    fs::write(path.with_extension("mtl"), "newmtl a\nKd 1 0 0\n".repeat(50_000)).unwrap();
+    let names: String = (0..1000)
+        .map(|at| format!("mtllib {}/libraries.mtl\n", "./".repeat(at % 100) + &at.to_string()))
+        .collect();
+    fs::write(path, format!("{OBJ}f 1 2 3\n{names}")).unwrap();
+}
+
+fn obj_materials(path: &Path) {
+    fs::write(path.with_extension("png"), black_png(4096)).unwrap();
+    let materials: String = (0..10_000).map(|at| format!("newmtl {at}\nmap_Kd materials.png\n")).collect();
+    fs::write(path.with_extension("mtl"), materials).unwrap();
+    let faces: String = (0..10_000).map(|at| format!("usemtl {at}\nf 1 2 3\n")).collect();
+    fs::write(path, format!("mtllib materials.mtl\n{OBJ}{faces}")).unwrap();
+}
+
+/// Each material has an image of its own made of the same two.
+fn masks(path: &Path) {
+    fs::write(path.with_extension("png"), black_png(2048)).unwrap();
+    let material = |at: u32| format!("newmtl {at}\nmap_Kd masks.png\nmap_d -o 0.{at} 0 masks.png\n");
+    fs::write(path.with_extension("mtl"), (1..100).map(material).collect::<String>()).unwrap();
+    let faces: String = (1..100).map(|at| format!("usemtl {at}\nf 1 2 3\n")).collect();
+    fs::write(path, format!("mtllib masks.mtl\n{OBJ}{faces}")).unwrap();
+}
+
+/// Images that claim more than they hold, in the formats that only OBJ uses.
+fn bmp_bomb(path: &Path) {
+    let mut bmp = encoded(image::ImageFormat::Bmp);
+    bmp[18..26].copy_from_slice(&[0, 0, 1, 0, 0, 0, 1, 0]);
+    fs::write(path.with_extension("bmp"), bmp).unwrap();
+    let mut tga = encoded(image::ImageFormat::Tga);
+    tga[12..16].fill(0xff);
+    fs::write(path.with_extension("tga"), tga).unwrap();
+    let materials = "newmtl a\nmap_Kd bmp.bmp\nnewmtl b\nmap_Kd bmp.tga\n";
+    fs::write(path.with_extension("mtl"), materials).unwrap();
+    fs::write(path, format!("mtllib bmp.mtl\n{OBJ}usemtl a\nf 1 2 3\nusemtl b\nf 1 2 3\n")).unwrap();
+}
+
+/// A header of elements that are nothing.
+fn elements(path: &Path) {
+    let elements = "element vertex 0\nelement face 4000000000\n".repeat(50_000);
+    fs::write(path, format!("ply\nformat ascii 1.0\n{elements}end_header\n")).unwrap();
+}
+
+/// As many points as fit.
+fn points(path: &Path) {
+    let header = "ply\nformat binary_little_endian 1.0\nelement vertex 3000000\nproperty char x\nproperty char y\n\
+                  property char z\nend_header\n";
+    let bytes: Vec<u8> = (0..9_000_000_u32).map(|at| (at % 251) as u8).collect();
+    fs::write(path, [header.as_bytes(), &bytes].concat()).unwrap();
+}
+
+fn strands(path: &Path) {
+    let mut bytes = b"HAIR".to_vec();
+    for word in [1_000_000_u32, 2_000_000, 2, 1] {
+        bytes.extend(word.to_le_bytes());
+    }
+    for number in [0.1_f32, 0.5, 1.0, 1.0, 1.0] {
+        bytes.extend(number.to_le_bytes());
+    }
+    bytes.resize(128, 0);
+    let numbers = (0..6_000_000_u32).map(|at| (at % 1009) as f32);
+    bytes.extend(numbers.flat_map(f32::to_le_bytes));
+    fs::write(path, bytes).unwrap();
 }

@@ -5,7 +5,6 @@ use std::collections::{HashMap, HashSet};
 use glam::{Quat, Vec2, Vec3, Vec4};
 
 use super::{
-    choice::ClipChoice,
     document::Document,
     node::{Hierarchy, unit_rotation},
     pointer::{self, Pointed},
@@ -24,6 +23,8 @@ pub(super) struct Targets<'t> {
     pub hierarchy: &'t Hierarchy,
     /// Scene index of each material of the file that is drawn.
     pub materials: &'t [Option<u32>],
+    /// Of the materials of the scene that transmit the same all over what they do with a factor of 1.
+    pub transmissions: &'t HashMap<u32, f32>,
     /// Index in the file of each light of the scene.
     pub lights: &'t [Index],
     /// Index in the file of each camera of the scene.
@@ -44,10 +45,8 @@ pub(super) fn read(
     let mut animations = Vec::new();
     for (index, animation) in document.root.animations.iter().enumerate() {
         let place = format!("animations[{index}]");
-        match document.choices.clip {
-            ClipChoice::Nothing => continue,
-            ClipChoice::One(chosen) if chosen != index => continue,
-            ClipChoice::One(_) | ClipChoice::All => {}
+        if !document.choices.plays(index) {
+            continue;
         }
         let mut pointers =
             animation.channels.iter().filter_map(|channel| pointer::of_target(&channel.target));
@@ -152,7 +151,15 @@ impl ChannelReader<'_, '_, '_> {
             Pointed::LightColour { light } | Pointed::LightIntensity { light } => {
                 self.light(pointed, light, &mut read.properties, composed)?;
             }
+            Pointed::LightShape { light, which } => {
+                let all = &self.document.root.extensions.lights_punctual.lights;
+                self.document.get(all, light, "light", self.place)?;
+                let lights = hung(self.targets.lights, light);
+                let value = self.keys(|[value]| value)?;
+                read.properties.push(Property::LightShape { lights, which, value });
+            }
             Pointed::BaseColour { material }
+            | Pointed::Transmission { material }
             | Pointed::EmissiveFactor { material }
             | Pointed::EmissiveStrength { material }
             | Pointed::Factor { material, .. }
@@ -218,14 +225,25 @@ impl ChannelReader<'_, '_, '_> {
             }
             Pointed::BaseColour { .. } => {
                 let mut factor = self.keys(Vec4::from_array)?;
-                // The alpha of what transmits light is made of its transmission.
-                if described.extensions.transmission.is_some() {
-                    let alpha = parts.materials[material as usize].base_colour.w;
+                // Of what transmits light the alpha is lowered, and was none before where it is opaque.
+                let at_rest = &parts.materials[material as usize];
+                let fades = described.alpha_mode.as_deref() == Some("BLEND");
+                if fades && self.targets.transmissions.contains_key(&material) {
+                    let kept = 1.0 - at_rest.transmission;
+                    factor.values.iter_mut().for_each(|colour| colour.w *= kept);
+                } else if described.extensions.transmission.is_some() {
                     factor.values.iter_mut().for_each(|colour| colour.w = 0.0);
-                    factor.key_values_mut().for_each(|colour| colour.w = alpha);
+                    factor.key_values_mut().for_each(|colour| colour.w = at_rest.base_colour.w);
                 }
                 properties.push(Property::BaseColour { material, factor });
             }
+            Pointed::Transmission { .. } => match self.targets.transmissions.get(&material) {
+                Some(most) => {
+                    let share = self.keys(|[value]| value * most)?;
+                    properties.push(Property::Transmission { material, share, lowers_alpha: true });
+                }
+                None => self.cannot_be_animated(pointer),
+            },
             Pointed::Factor { which, .. } => {
                 properties.push(Property::Factor { material, which, value: self.keys(|[value]| value)? });
             }
@@ -272,7 +290,8 @@ impl ChannelReader<'_, '_, '_> {
             | Pointed::Visibility { .. }
             | Pointed::Lens { .. }
             | Pointed::LightColour { .. }
-            | Pointed::LightIntensity { .. } => {}
+            | Pointed::LightIntensity { .. }
+            | Pointed::LightShape { .. } => {}
         }
         Ok(())
     }

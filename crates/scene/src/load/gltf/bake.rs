@@ -21,6 +21,10 @@ pub(super) struct Baked {
     pub textures: Vec<Texels>,
     base_colour: Option<TextureRef>,
     metallic_roughness: Option<TextureRef>,
+    /// A transmission that is the same all over was taken out of the alpha of the base colour.
+    pub is_even: bool,
+    /// What is not as the file says.
+    pub shortcoming: Option<&'static str>,
 }
 
 impl Baked {
@@ -62,10 +66,8 @@ impl Stack {
     }
 
     /// Mean of a channel of a layer, 0 to 1.
-    fn mean(&self, layer: usize, channel: usize) -> f32 {
-        let Some(image) = &self.layers[layer] else { return 1.0 };
-        let sum: u64 = image.as_slice().iter().map(|texel| u64::from(texel[channel])).sum();
-        sum as f32 / 255.0 / image.as_slice().len() as f32
+    fn mean(&self, images: &Images, layer: usize, channel: usize) -> f32 {
+        self.layers[layer].as_ref().map_or(1.0, |image| images.statistics(image).means[channel])
     }
 }
 
@@ -92,12 +94,17 @@ pub(super) fn transmission(
     material.transmission = if metal_texture.is_some() { strength } else { strength * (1.0 - metallic) };
     let used = [material.base_colour_texture, texture, metal_texture];
     let stack = Stack::new(&used, textures, images);
-    let place = common_place(&used).filter(|_| texture.is_some() || metal_texture.is_some());
+    let varies = texture.is_some() || metal_texture.is_some();
+    let place = common_place(&used).filter(|_| varies);
     let Some(place) = place else {
         // The same everywhere, or taken as the same where the textures are laid out differently.
-        let kept = 1.0 - strength * stack.mean(1, 0) * (1.0 - metallic * stack.mean(2, 2));
-        lower_evenly(material, kept, stack.layers[0].as_deref());
-        return Ok(Baked::default());
+        let kept = 1.0 - strength * stack.mean(images, 1, 0) * (1.0 - metallic * stack.mean(images, 2, 2));
+        let is_opaque = stack.layers[0].as_ref().is_none_or(|image| images.statistics(image).is_opaque);
+        let is_even = lower_evenly(material, kept, is_opaque) && !varies;
+        let shortcoming =
+            "its transmission is the same all over: the textures that it depends on are laid out differently";
+        let shortcoming = varies.then_some(shortcoming);
+        return Ok(Baked { is_even, shortcoming, ..Baked::default() });
     };
 
     let (mode, factor) = (material.alpha_mode, material.base_colour.w);
@@ -126,21 +133,28 @@ pub(super) fn transmission(
             ..like.clone()
         }],
         base_colour: Some(TextureRef { texture: 0, ..place }),
-        metallic_roughness: None,
+        ..Baked::default()
     })
 }
 
 /// One factor for the whole material. Where the alpha of the texture is to be ignored or tested, it must stay
-/// out of the blending, and the factor goes to the opacity that is applied after that.
-fn lower_evenly(material: &mut Material, kept: f32, base: Option<&Image<[u8; 4]>>) {
-    let opaque_texels = base.is_none_or(|image| image.as_slice().iter().all(|texel| texel[3] == 255));
+/// out of the blending, and the factor goes to the opacity that is applied after that: then it is false that
+/// the alpha was lowered.
+fn lower_evenly(material: &mut Material, kept: f32, has_opaque_texels: bool) -> bool {
     match material.alpha_mode {
-        AlphaMode::Blend => material.base_colour.w *= kept,
-        AlphaMode::Opaque if opaque_texels => {
+        AlphaMode::Blend => {
+            material.base_colour.w *= kept;
+            true
+        }
+        AlphaMode::Opaque if has_opaque_texels => {
             material.alpha_mode = AlphaMode::Blend;
             material.base_colour.w = kept;
+            true
         }
-        AlphaMode::Opaque | AlphaMode::Mask { .. } => material.opacity *= kept,
+        AlphaMode::Opaque | AlphaMode::Mask { .. } => {
+            material.opacity *= kept;
+            false
+        }
     }
 }
 
@@ -199,7 +213,7 @@ pub(super) fn glossy(
     // Two textures laid out differently cannot be mixed: the diffuse one gives the place.
     let Some(place) = used[0].or(used[1]) else { return Ok(Baked::default()) };
     let separate = common_place(&used).is_none();
-    let specular_mean = separate.then(|| [0, 1, 2, 3].map(|channel| stack.mean(1, channel)));
+    let specular_mean = separate.then(|| [0, 1, 2, 3].map(|channel| stack.mean(images, 1, channel)));
 
     let convert = |x: u32, y: u32| {
         let linear = |[red, green, blue, _]: [f32; 4]| Vec3::new(red, green, blue).map(linear_from_srgb);
@@ -230,6 +244,9 @@ pub(super) fn glossy(
         textures: vec![made("base colour", base, true), made("metallic-roughness", rough, false)],
         base_colour: Some(TextureRef { texture: 0, ..place }),
         metallic_roughness: Some(TextureRef { texture: 1, ..place }),
+        shortcoming: separate
+            .then_some("its specular colour is the same all over: its textures are laid out differently"),
+        is_even: false,
     })
 }
 
@@ -268,16 +285,15 @@ mod tests {
 
     #[test]
     fn even_transmission_keeps_alpha_tests_and_ignored_alpha() {
-        let holed = Image::from_vec(1, 2, vec![[255; 4], [255, 255, 255, 0]]).unwrap();
-        let lowered = |alpha_mode, image: Option<&Image<[u8; 4]>>| {
+        let lowered = |alpha_mode, has_opaque_texels| {
             let mut material = Material { alpha_mode, ..Material::default() };
-            lower_evenly(&mut material, 0.25, image);
+            lower_evenly(&mut material, 0.25, has_opaque_texels);
             (material.alpha_mode, material.base_colour.w, material.opacity)
         };
-        assert_eq!(lowered(AlphaMode::Blend, Some(&holed)), (AlphaMode::Blend, 0.25, 1.0));
-        assert_eq!(lowered(AlphaMode::Opaque, None), (AlphaMode::Blend, 0.25, 1.0));
-        assert_eq!(lowered(AlphaMode::Opaque, Some(&holed)), (AlphaMode::Opaque, 1.0, 0.25));
+        assert_eq!(lowered(AlphaMode::Blend, false), (AlphaMode::Blend, 0.25, 1.0));
+        assert_eq!(lowered(AlphaMode::Opaque, true), (AlphaMode::Blend, 0.25, 1.0));
+        assert_eq!(lowered(AlphaMode::Opaque, false), (AlphaMode::Opaque, 1.0, 0.25));
         let mask = AlphaMode::Mask { cutoff: 0.5 };
-        assert_eq!(lowered(mask, Some(&holed)), (mask, 1.0, 0.25));
+        assert_eq!(lowered(mask, false), (mask, 1.0, 0.25));
     }
 }

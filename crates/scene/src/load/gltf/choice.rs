@@ -61,6 +61,15 @@ impl Choices {
         Ok(Self { scene, clip, variant })
     }
 
+    /// Whether an animation may play.
+    pub(super) fn plays(&self, animation: Index) -> bool {
+        match self.clip {
+            ClipChoice::All => true,
+            ClipChoice::Nothing => false,
+            ClipChoice::One(chosen) => chosen == animation,
+        }
+    }
+
     /// The material of a primitive.
     pub(super) fn material_of(&self, primitive: &Primitive) -> Option<Index> {
         let mappings = &primitive.extensions.variants.mappings;

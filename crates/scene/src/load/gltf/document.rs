@@ -9,7 +9,7 @@ use std::{
     rc::Rc,
 };
 
-use sheer_core::text::{MemorySize, printable, quoted};
+use sheer_core::text::{MemorySize, beginning, quoted};
 
 use super::{
     choice::Choices,
@@ -21,17 +21,17 @@ use super::{
 };
 use crate::{
     SceneError,
-    load::{LoadOptions, LoadWarning},
+    cost::beyond_limit,
+    load::{
+        LoadOptions, LoadWarning,
+        loaded::{LONGEST_MESSAGE, LONGEST_NAME},
+    },
 };
 
 /// Warnings of a file that are said: a file in which everything is wrong would say it of everything.
 const MOST_WARNINGS: usize = 100;
-/// Characters of a name that are kept; messages show fewer. Names are copied to whatever refers to them.
-const LONGEST_NAME: usize = 256;
 /// What the tree of a JSON text may take that does not parse as it stands, in bytes.
 const LARGEST_TREE: u64 = 4 << 30;
-/// Characters of a message that quotes from the file.
-const LONGEST_MESSAGE: usize = 600;
 
 /// The file while it is being read. Buffers are read when first asked for.
 pub(super) struct Document<'a> {
@@ -408,18 +408,7 @@ fn version_problem(asset: &Asset) -> Option<String> {
 
 /// What a message quotes, short and fit to be shown.
 fn shown(text: &str) -> String {
-    match text.char_indices().nth(LONGEST_MESSAGE) {
-        Some((end, _)) => format!("{}…", printable(&text[..end])),
-        None => printable(text).into_owned(),
-    }
-}
-
-/// What is wrong with `bytes` more, of which `left` are left of a limit.
-fn beyond_limit(bytes: u64, left: u64, limit: u64) -> String {
-    let [bytes, left, limit] = [bytes, left, limit].map(MemorySize);
-    format!(
-        "it takes {bytes} of memory, and of the limit of {limit} there are {left} left; simplify it, or raise --memory-limit"
-    )
+    beginning(text, LONGEST_MESSAGE)
 }
 
 /// Shortens names that no one could read.

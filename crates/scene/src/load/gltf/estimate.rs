@@ -13,7 +13,7 @@ use super::{
     mesh::MOST_UNUSED,
     node::{self, Hierarchy},
     pointer::{self, Pointed},
-    schema::{self, Index, Primitive, Root},
+    schema::{self, Index, Primitive},
     topology::Topology,
 };
 use crate::{
@@ -21,6 +21,7 @@ use crate::{
     cost::{self, Drawn},
     frame::{LEAST_SHARED, Sharing},
     load::stroke,
+    model::{Factor, TextureSlot},
 };
 
 /// Holds what the scene will take against the memory that is left.
@@ -29,24 +30,34 @@ pub(super) fn check(document: &Document<'_>, hierarchy: &Hierarchy) -> Result<()
         return Ok(());
     }
     let root = &document.root;
-    let mut counts = Counts { root, animated_materials: HashSet::new() };
+    let mut counts = Counts { document, animated_materials: HashSet::new() };
     let mut sum = Sum::default();
 
     // Animations, which nodes they move or show, and which materials they change.
     let mut moves = vec![false; root.nodes.len()];
+    let mut fades = vec![false; root.nodes.len()];
     for (index, animation) in root.animations.iter().enumerate() {
+        if !document.choices.plays(index) {
+            continue;
+        }
         let place = || format!("animations[{index}]");
         for channel in &animation.channels {
             match pointer::of_target(&channel.target).as_deref().and_then(pointer::parse) {
-                Some(Pointed::Node { node, .. } | Pointed::Visibility { node }) => {
+                Some(Pointed::Node { node, .. }) => {
                     if let Some(moved) = moves.get_mut(node) {
                         *moved = true;
                     }
                 }
+                Some(Pointed::Visibility { node }) => {
+                    if let Some(faded) = fades.get_mut(node) {
+                        *faded = true;
+                    }
+                }
                 Some(
                     Pointed::BaseColour { material }
-                    | Pointed::Factor { material, .. }
-                    | Pointed::TextureTransform { material, .. },
+                    | Pointed::Transmission { material }
+                    | Pointed::Factor { material, which: Factor::AlphaCutoff }
+                    | Pointed::TextureTransform { material, slot: TextureSlot::BaseColour, .. },
                 ) => {
                     counts.animated_materials.insert(material);
                 }
@@ -57,7 +68,10 @@ pub(super) fn check(document: &Document<'_>, hierarchy: &Hierarchy) -> Result<()
             }
         }
     }
-    let moves = hierarchy.with_descendants(moves);
+    // What is hidden because its animation does not play has been made all the same.
+    hierarchy.hidden_at_rest().for_each(|node| fades[node] = true);
+    let (moves, fades) = (hierarchy.with_descendants(moves), hierarchy.with_descendants(fades));
+    let shares_at = |index: Index, node: &schema::Node| node.skin.is_none() && !fades[index];
 
     // Skins: matrices as they are read and as they are kept.
     for (index, skin) in root.skins.iter().enumerate() {
@@ -70,14 +84,14 @@ pub(super) fn check(document: &Document<'_>, hierarchy: &Hierarchy) -> Result<()
     let mut meshes: Vec<Option<MeshCost>> = Vec::new();
     meshes.resize_with(root.meshes.len(), || None);
     let drawn = || hierarchy.shown(document).filter_map(|(_, index, node)| Some((index, node, node.mesh?)));
-    for (_, node, mesh_index) in drawn() {
+    for (index, node, mesh_index) in drawn() {
         let Some(mesh) = root.meshes.get(mesh_index) else { continue };
         let cost = meshes[mesh_index].get_or_insert_with(|| {
             let cost = MeshCost::of(&counts, mesh);
             sum.add(cost.stored_bytes, || format!("meshes[{mesh_index}]"));
             cost
         });
-        if node.skin.is_none() {
+        if shares_at(index, node) {
             cost.rigid_copies = cost.rigid_copies.saturating_add(counts.copies(node));
         }
     }
@@ -94,9 +108,9 @@ pub(super) fn check(document: &Document<'_>, hierarchy: &Hierarchy) -> Result<()
     }
     for (index, node, mesh_index) in drawn() {
         let Some(cost) = meshes.get(mesh_index).and_then(Option::as_ref) else { continue };
-        let is_shared = shares && node.skin.is_none() && cost.rigid_copies > 1;
+        let is_shared = shares && shares_at(index, node) && cost.rigid_copies > 1;
         let each = if is_shared { &cost.instance_bytes } else { &cost.copy_bytes };
-        let each = each[usize::from(moves[index] || node.skin.is_some())];
+        let each = each[usize::from(moves[index] || !shares_at(index, node))];
         sum.add(counts.copies(node).saturating_mul(each), || node::place(index));
     }
 
@@ -189,7 +203,7 @@ struct PrimitiveCost {
 
 /// The numbers of a file.
 struct Counts<'r> {
-    root: &'r Root,
+    document: &'r Document<'r>,
     /// What has them is made anew for each frame.
     animated_materials: HashSet<Index>,
 }
@@ -203,6 +217,7 @@ impl Counts<'_> {
     }
 
     fn primitive(&self, primitive: &Primitive) -> PrimitiveCost {
+        let root = &self.document.root;
         let elements = |attributes: &BTreeMap<String, Index>, name: &str| {
             attributes.get(name).map_or(0, |&accessor| self.elements(accessor))
         };
@@ -242,17 +257,12 @@ impl Counts<'_> {
             [sums[0].saturating_add(bytes[0]), sums[1].saturating_add(bytes[1])]
         });
 
-        let material = primitive.material.and_then(|index| self.root.materials.get(index));
-        let deforms = !primitive.targets.is_empty()
-            || primitive.attributes.contains_key("JOINTS_0")
-            || primitive.material.is_some_and(|index| self.animated_materials.contains(&index));
-        PrimitiveCost {
-            triangles,
-            read_bytes,
-            stored_bytes,
-            deforms,
-            is_opaque: material.is_none_or(is_opaque),
-        }
+        let index = self.document.choices.material_of(primitive);
+        let is_opaque = index.and_then(|index| root.materials.get(index)).is_none_or(is_opaque);
+        // What stays opaque does not change its opacity.
+        let fades = !is_opaque && index.is_some_and(|index| self.animated_materials.contains(&index));
+        let deforms = fades || !primitive.targets.is_empty() || primitive.attributes.contains_key("JOINTS_0");
+        PrimitiveCost { triangles, read_bytes, stored_bytes, deforms, is_opaque }
     }
 
     /// Times and values of an animation.
@@ -264,9 +274,10 @@ impl Counts<'_> {
 
     /// How many elements an accessor states, or its buffer can hold at most.
     fn elements(&self, accessor: Index) -> u64 {
-        let Some(accessor) = self.root.accessors.get(accessor) else { return 0 };
+        let root = &self.document.root;
+        let Some(accessor) = root.accessors.get(accessor) else { return 0 };
         let stated = accessor.count as u64;
-        let view = accessor.buffer_view.and_then(|view| self.root.buffer_views.get(view));
+        let view = accessor.buffer_view.and_then(|view| root.buffer_views.get(view));
         match view.filter(|view| view.extensions.meshopt.is_none()) {
             // An element takes a byte at least.
             Some(view) => stated.min(view.byte_length as u64),

@@ -2,7 +2,8 @@
 
 use std::{
     borrow::Cow,
-    collections::{BTreeMap, HashMap},
+    cell::RefCell,
+    collections::{BTreeMap, BTreeSet, HashMap},
     path::PathBuf,
     sync::{
         Arc,
@@ -15,10 +16,14 @@ use sheer_core::text::MemorySize;
 use sheer_image::{Image, ImageError, TextureLimits, decode_texture, texture_size};
 
 use super::{document::Document, limits::IMAGE_BYTES, schema::Index, texels::Source};
-use crate::SceneError;
+use crate::{
+    SceneError,
+    cost::{DECODING_BYTES, TEXEL_BYTES},
+};
 
-/// What becomes of a texture whose image is lost.
+/// What becomes of textures whose image is lost.
 const WITHOUT: &str = "drawn without it";
+const REPLACED: &str = "another image of its texture is drawn";
 
 /// The decoded images of a file, and what they take.
 pub(super) struct Images {
@@ -26,12 +31,18 @@ pub(super) struct Images {
     used_bytes: u64,
     /// What they may take together.
     most_bytes: u64,
+    /// Means of the channels of images that were asked for, and the least alpha.
+    statistics: RefCell<HashMap<*const Image<[u8; 4]>, Statistics>>,
 }
 
-/// What a texel takes: four bytes, its alpha once more, and a third of both for the levels below.
-const TEXEL_BYTES: u64 = 7;
-/// What a texel takes beside that while it is decoded, or while levels are made of it.
-const DECODING_BYTES: u64 = 12;
+/// What materials ask of all texels of an image.
+#[derive(Clone, Copy)]
+pub(super) struct Statistics {
+    /// Of each channel, 0 to 1.
+    pub means: [f32; 4],
+    /// All texels are opaque.
+    pub is_opaque: bool,
+}
 
 /// Where the bytes of an image are: images at one place are one image.
 #[derive(PartialEq, Eq, Hash)]
@@ -63,18 +74,52 @@ fn place(index: Index) -> String {
 }
 
 impl Images {
-    /// Decodes the images of the given indices, which exist; those that are broken or missing are left out.
-    pub(super) fn decode(
+    /// Decodes images by their indices, all of which exist. Each of `wanted` is the images that a texture
+    /// offers, the best first: another one is decoded where those before it are broken or missing.
+    pub(super) fn decode(document: &Document<'_>, wanted: &[&[Index]]) -> Result<Self, SceneError> {
+        let mut images = Self {
+            decoded: BTreeMap::new(),
+            used_bytes: 0,
+            most_bytes: IMAGE_BYTES.min(document.memory_left()),
+            statistics: RefCell::default(),
+        };
+        let mut tried = BTreeSet::new();
+        for choice in 0.. {
+            // Of each texture that has no image yet the next one.
+            let mut next: BTreeMap<Index, &'static str> = BTreeMap::new();
+            for offered in wanted.iter().filter(|offered| images.first_of(offered).is_none()) {
+                if let Some(&index) = offered.get(choice) {
+                    let outcome = if offered.len() > choice + 1 { REPLACED } else { WITHOUT };
+                    // What is said of an image is said for all.
+                    if tried.insert(index) {
+                        next.insert(index, outcome);
+                    }
+                }
+            }
+            let is_last = wanted.iter().all(|offered| offered.len() <= choice + 1);
+            images.add(document, &next)?;
+            if is_last {
+                break;
+            }
+        }
+        Ok(images)
+    }
+
+    /// The first of some images that is there.
+    pub(super) fn first_of(&self, offered: &[Index]) -> Option<Index> {
+        offered.iter().copied().find(|index| self.decoded.contains_key(index))
+    }
+
+    /// Decodes images, with what becomes of those that are broken or missing.
+    fn add(
+        &mut self,
         document: &Document<'_>,
-        wanted: impl Iterator<Item = Index>,
-    ) -> Result<Self, SceneError> {
-        let mut wanted: Vec<Index> = wanted.collect();
-        wanted.sort_unstable();
-        wanted.dedup();
+        wanted: &BTreeMap<Index, &'static str>,
+    ) -> Result<(), SceneError> {
         // The first image at each place stands for all that are there.
         let mut first_at = HashMap::new();
         let mut stands_for = Vec::with_capacity(wanted.len());
-        for index in wanted {
+        for &index in wanted.keys() {
             let first = match place_of(document, index) {
                 Some(place) => *first_at.entry(place).or_insert(index),
                 None => index,
@@ -83,44 +128,59 @@ impl Images {
         }
         let mut tasks = Vec::new();
         for &(index, _) in stands_for.iter().filter(|(index, first)| index == first) {
-            tasks.extend(document.salvage(find(document, index), WITHOUT)?);
+            tasks.extend(document.salvage(find(document, index), wanted[&index])?);
         }
-        let most_bytes = IMAGE_BYTES.min(document.memory_left());
         let limits = limits(document);
         check_sizes(document, &tasks, limits)?;
 
         // Each decoder is bounded; together they are counted, so that many small files cannot add up to a
         // large one.
-        let used_bytes = AtomicU64::new(0);
+        let used_bytes = AtomicU64::new(self.used_bytes);
         let decode_one = |task: &Task<'_>| -> Result<Image<[u8; 4]>, Fault> {
-            check_budget(used_bytes.load(Ordering::Relaxed), most_bytes).map_err(Fault::Limit)?;
+            check_budget(used_bytes.load(Ordering::Relaxed), self.most_bytes).map_err(Fault::Limit)?;
             let image = decode_any(&task.bytes, limits)?;
             used_bytes.fetch_add(size_of_val(image.as_slice()) as u64, Ordering::Relaxed);
             Ok(image)
         };
         let results: Vec<Result<_, Fault>> = tasks.par_iter().map(decode_one).collect();
-        let mut decoded = BTreeMap::new();
         for (task, image) in tasks.iter().zip(results) {
             let image = image.map_err(|fault| match fault {
                 Fault::Broken(problem) => document.fault(place(task.index), problem),
                 Fault::Limit(problem) => document.limit(place(task.index), problem),
             });
-            if let Some(image) = document.salvage(image, WITHOUT)? {
-                decoded.insert(task.index, Arc::new(image));
+            if let Some(image) = document.salvage(image, wanted[&task.index])? {
+                self.decoded.insert(task.index, Arc::new(image));
             }
         }
         for (index, first) in stands_for {
-            if let Some(image) = decoded.get(&first).cloned() {
-                decoded.insert(index, image);
+            if let Some(image) = self.decoded.get(&first).cloned() {
+                self.decoded.insert(index, image);
             }
         }
-        Ok(Self { decoded, used_bytes: used_bytes.into_inner(), most_bytes })
+        self.used_bytes = used_bytes.into_inner();
+        Ok(())
+    }
+
+    /// What is asked of all texels of an image, worked out once.
+    pub(super) fn statistics(&self, image: &Arc<Image<[u8; 4]>>) -> Statistics {
+        let mut known = self.statistics.borrow_mut();
+        *known.entry(Arc::as_ptr(image)).or_insert_with(|| {
+            let texels = image.as_slice();
+            let add = |sums: [u64; 4], texel: &[u8; 4]| {
+                std::array::from_fn(|channel| sums[channel] + u64::from(texel[channel]))
+            };
+            let sums = texels.iter().fold([0; 4], add);
+            Statistics {
+                means: sums.map(|sum| sum as f32 / 255.0 / texels.len() as f32),
+                is_opaque: sums[3] == 255 * texels.len() as u64,
+            }
+        })
     }
 
     /// Whether the image behind a texture is there.
     pub(super) fn has(&self, source: &Source) -> bool {
         match source {
-            Source::File(index) => self.decoded.contains_key(index),
+            Source::File(offered) => self.first_of(offered).is_some(),
             Source::Computed(_) => true,
         }
     }
@@ -128,7 +188,10 @@ impl Images {
     /// The image behind a texture, which is there.
     pub(super) fn of<'s>(&'s self, source: &'s Source) -> &'s Arc<Image<[u8; 4]>> {
         match source {
-            Source::File(index) => &self.decoded[index],
+            Source::File(offered) => {
+                let index = self.first_of(offered).expect("textures without an image have been left out");
+                &self.decoded[&index]
+            }
             Source::Computed(image) => image,
         }
     }

@@ -7,6 +7,8 @@ pub(super) const BYTES_PER_INPUT_BYTE: u64 = 64;
 /// What all images of a file may take in memory when decoded.
 pub(super) const IMAGE_BYTES: u64 = 6 << 30;
 
-/// Triangles that may be drawn, each instance counted: every frame holds all of them, at some 200 bytes each
-/// with its hierarchy.
-pub(super) const MAX_DRAWN_TRIANGLES: u64 = 1 << 26;
+/// Triangles that frames may hold, at some 200 bytes each with the hierarchy: those of instances that share
+/// them once.
+pub(super) const MAX_STORED_TRIANGLES: u64 = 1 << 26;
+/// Triangles that may be drawn, each instance counted: the acceleration structure knows no more by number.
+pub(super) const MAX_DRAWN_TRIANGLES: u64 = 1 << 30;

@@ -1,13 +1,16 @@
 //! Materials and their textures.
 
-use std::{collections::BTreeMap, sync::Arc};
+use std::{
+    collections::{BTreeMap, HashMap, HashSet},
+    sync::Arc,
+};
 
 use glam::{Vec2, Vec3, Vec4};
 
 use super::{
     bake,
     document::Document,
-    image,
+    image, pointer,
     schema::{self, Index, TextureInfo},
     texels::{Source, Texels},
 };
@@ -34,6 +37,8 @@ pub(super) struct Materials<'d, 'a> {
     texture_of: BTreeMap<(Index, bool), u32>,
     /// What to make of the images once they are decoded.
     bakes: Vec<Bake>,
+    /// Materials of the file whose transmission is animated.
+    fading: HashSet<Index>,
 }
 
 /// Something to compute when the images are decoded.
@@ -51,6 +56,10 @@ enum BakeKind {
     /// Specular-glossiness becomes metallic-roughness; the base colour slot holds the diffuse texture.
     Glossy { factors: bake::Glossy, texture: Option<TextureRef> },
 }
+
+/// Materials and textures of the scene, and of the materials that transmit the same all over, by their index,
+/// what they do with a factor of 1.
+type Finished = (Vec<Material>, Vec<Texture>, HashMap<u32, f32>);
 
 /// A texture with its image decoded.
 fn decoded(texels: &Texels, images: &image::Images) -> Texture {
@@ -73,6 +82,7 @@ impl<'d, 'a> Materials<'d, 'a> {
             textures: Vec::new(),
             texture_of: BTreeMap::new(),
             bakes: Vec::new(),
+            fading: pointer::animated_transmissions(document).collect(),
         }
     }
 
@@ -184,7 +194,7 @@ impl Materials<'_, '_> {
             let texture =
                 self.texture(&transmission.transmission_texture, false, &place, "transmissionTexture")?;
             let factor = unit(transmission.transmission_factor);
-            if factor > 0.0 {
+            if factor > 0.0 || self.fading.contains(&index) {
                 let titled = self.document.titled(&place);
                 self.document.warn(LoadWarning::UnrefractedTransmission { material: titled });
                 if let Some(volume) = &extensions.volume {
@@ -299,11 +309,21 @@ impl Materials<'_, '_> {
         let described = document.get(&document.root.textures, info.index, "texture", place)?;
         let texture_place = format!("textures[{}]", info.index);
         let extensions = &described.extensions;
-        let Some(image) = extensions.basisu.source.or(extensions.webp.source).or(described.source) else {
+        let mut offered: Vec<Index> = [extensions.basisu.source, extensions.webp.source, described.source]
+            .into_iter()
+            .flatten()
+            .collect();
+        let Some(&last) = offered.last() else {
             document.repaired(&texture_place, "it has no image in a known format and was left out");
             return Ok(None);
         };
-        document.get(&document.root.images, image, "image", &texture_place)?;
+        let exists = |image: Index| document.get(&document.root.images, image, "image", &texture_place);
+        if !offered.iter().any(|&image| exists(image).is_ok()) {
+            exists(last)?;
+        }
+        for missing in offered.extract_if(.., |image| exists(*image).is_err()) {
+            document.salvage(exists(missing), "another image of its texture is drawn")?;
+        }
         // A texture that is used as colour and as data is two textures here.
         let texture = match self.texture_of.get(&(info.index, srgb)) {
             Some(&texture) => texture,
@@ -316,7 +336,7 @@ impl Materials<'_, '_> {
                 let texture = self.textures.len() as u32;
                 self.textures.push(Texels {
                     name: described.name.clone().unwrap_or_default(),
-                    source: Source::File(image),
+                    source: Source::File(offered),
                     srgb,
                     wrap,
                     filter,
@@ -346,13 +366,14 @@ impl Materials<'_, '_> {
     }
 
     /// Decodes the images, makes the textures that need computing, and gives all up.
-    pub(super) fn finish(mut self) -> Result<(Vec<Material>, Vec<Texture>), SceneError> {
-        let mut images =
-            image::Images::decode(self.document, self.textures.iter().filter_map(Texels::file_image))?;
+    pub(super) fn finish(mut self) -> Result<Finished, SceneError> {
+        let wanted: Vec<&[Index]> = self.textures.iter().filter_map(Texels::file_images).collect();
+        let mut images = image::Images::decode(self.document, &wanted)?;
         let mut bakes = std::mem::take(&mut self.bakes);
         self.forget_lost(&images, &mut bakes);
-        for Bake { material, place, what } in bakes {
-            let material = &mut self.materials[material];
+        let mut transmissions = HashMap::new();
+        for Bake { material: number, place, what } in bakes {
+            let material = &mut self.materials[number];
             let baked = match what {
                 BakeKind::Transmission { strength, texture } => {
                     bake::transmission(material, strength, texture, &self.textures, &mut images)
@@ -361,11 +382,18 @@ impl Materials<'_, '_> {
                     bake::glossy(material, factors, texture, &self.textures, &mut images)
                 }
             };
-            let mut baked = baked.map_err(|problem| self.document.limit(place, problem))?;
+            let mut baked = baked.map_err(|problem| self.document.limit(&place, problem))?;
+            if let Some(shortcoming) = baked.shortcoming {
+                self.document.repaired(&place, shortcoming);
+            }
             baked.assign(material, self.textures.len() as u32);
             self.textures.append(&mut baked.textures);
+            if baked.is_even {
+                transmissions.insert(number as u32, TRANSMISSION_SHARE * (1.0 - material.metallic));
+            }
         }
-        Ok(self.keep_used(&images))
+        let (materials, textures) = self.keep_used(&images);
+        Ok((materials, textures, transmissions))
     }
 
     /// Takes away the textures whose images are lost.

@@ -46,8 +46,6 @@ pub(super) struct DrawnPrimitive {
     pub mesh: u32,
     /// Index in the glTF mesh.
     pub geometry: u32,
-    /// How many triangles it is, or will be where it is points or lines.
-    pub triangle_count: usize,
     /// How many joints a skin must have for it; 0 of a mesh without joints.
     joint_count: usize,
 }
@@ -107,7 +105,6 @@ impl<'d, 'a> Library<'d, 'a> {
             drawn.push(DrawnPrimitive {
                 mesh: index,
                 geometry: number as u32,
-                triangle_count: strokes.as_ref().map_or(read.indices.len(), Strokes::triangle_count),
                 joint_count: joints.max().unwrap_or(0),
             });
             self.sketches.extend(strokes.map(|strokes| Sketch { mesh: index, strokes }));
@@ -190,8 +187,6 @@ impl<'d, 'a> Reader<'d, 'a> {
 
     /// The points or lines.
     fn strokes(&self, pattern: StrokePattern, vertex_count: usize) -> Result<Strokes, SceneError> {
-        /// Of the body that a stroke becomes, its vertices with their attributes and its triangles.
-        const BODY_BYTES: usize = 600;
         let place = format!("{}.indices", self.place);
         let listed = self.told_indices(vertex_count, &place)?;
         let count = listed.as_ref().map_or(vertex_count, Vec::len);
@@ -204,7 +199,7 @@ impl<'d, 'a> Reader<'d, 'a> {
         if let Some(said) = strokes.thin_out() {
             self.document.repaired(&self.place, &said);
         }
-        self.document.charge(strokes.triangle_count() / 6, BODY_BYTES, &place)?;
+        self.document.charge(1, strokes.body_bytes(), &place)?;
         Ok(strokes)
     }
 
@@ -457,7 +452,10 @@ impl TargetReader<'_, '_, '_> {
                 ("NORMAL", _) if !mesh.normals.is_empty() => {
                     morphs.normals = self.deltas(name, accessor, Vec3::from_array)?;
                 }
-                // Without normals there is nothing to displace; tangents follow positions and coordinates.
+                ("TANGENT", _) if !mesh.tangents.is_empty() => {
+                    morphs.tangents = self.deltas(name, accessor, Vec3::from_array)?;
+                }
+                // There is nothing to displace: those that are made follow positions and coordinates.
                 ("NORMAL" | "TANGENT", _) => {}
                 ("COLOR_0", _) if !mesh.colours.is_empty() => {
                     let components = self
@@ -583,8 +581,9 @@ fn leave_out_unused(mesh: &mut Mesh) -> usize {
     let mut bytes = pick(positions, &used, 1) + pick(normals, &used, 1) + pick(tangents, &used, 1);
     bytes += uv_sets.iter_mut().map(|set| pick(set, &used, 1)).sum::<usize>();
     bytes += pick(colours, &used, 1) + pick(influences, &used, *influences_per_vertex);
-    for MorphTarget { positions, normals, colours, uv_sets } in morph_targets {
-        bytes += pick(positions, &used, 1) + pick(normals, &used, 1) + pick(colours, &used, 1);
+    for MorphTarget { positions, normals, tangents, colours, uv_sets } in morph_targets {
+        bytes += pick(positions, &used, 1) + pick(normals, &used, 1) + pick(tangents, &used, 1);
+        bytes += pick(colours, &used, 1);
         bytes += uv_sets.iter_mut().map(|set| pick(set, &used, 1)).sum::<usize>();
     }
     bytes

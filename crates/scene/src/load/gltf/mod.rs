@@ -9,7 +9,7 @@
 //! where a file chooses the depth. What one file may take: the JSON costs at most about 200 times its size;
 //! everything decoded from buffers together at most [`limits::BASE_BYTES`] plus
 //! [`limits::BYTES_PER_INPUT_BYTE`] times the bytes read; images at most [`limits::IMAGE_BYTES`] together;
-//! and at most [`limits::MAX_DRAWN_TRIANGLES`] triangles are drawn. Where there is a
+//! and at most [`limits::MAX_STORED_TRIANGLES`] triangles are held by a frame. Where there is a
 //! [limit](LoadOptions::memory_limit), all of it is counted first ([`estimate`]) and held against that. Names
 //! are cut, and what messages quote of a file is cut and escaped.
 
@@ -19,6 +19,7 @@ use sheer_core::text::quoted;
 
 use crate::{
     SceneError,
+    frame::FrameSize,
     load::{Clip, Contents, Extension, LoadOptions, LoadWarning, Loaded, stroke},
     model::SceneParts,
     scene::Scene,
@@ -52,7 +53,8 @@ mod texels;
 mod topology;
 
 use document::Document;
-pub(super) use resource::{read_beside, read_file};
+use limits::{MAX_DRAWN_TRIANGLES, MAX_STORED_TRIANGLES};
+pub(super) use resource::{path_beside, read_beside, read_file, spelt_otherwise};
 
 /// Extensions that are drawn as they say.
 const DRAWN: &[&str] = &[
@@ -122,17 +124,21 @@ pub(super) fn load_slice(bytes: &[u8], path: &Path, options: &LoadOptions) -> Re
     let sketches = hierarchy.place_meshes(&document, &mut materials, &skins, &mut parts)?;
     parts.skins = skins.sound;
     let material_of = materials.index_of().to_vec();
-    (parts.materials, parts.textures) = materials.finish()?;
+    let transmissions;
+    (parts.materials, parts.textures, transmissions) = materials.finish()?;
     document.take(texture::level_bytes(&parts), "textures")?;
     stroke::draw(&mut parts, sketches);
     let targets = animation::Targets {
         hierarchy: &hierarchy,
         materials: &material_of,
+        transmissions: &transmissions,
         lights: &lights.file_index,
         cameras: &cameras.file_index,
     };
     let clips;
     (parts.animations, clips) = animation::read(&document, &targets, &mut parts)?;
+
+    check_triangles(&document, &parts)?;
 
     // A file of which nothing is left is an error.
     if parts.instances.is_empty()
@@ -147,6 +153,20 @@ pub(super) fn load_slice(bytes: &[u8], path: &Path, options: &LoadOptions) -> Re
     })?;
     let contents = contents(&document, clips);
     Ok(Loaded { scene, warnings: document.into_warnings(), contents })
+}
+
+/// Bounds what frames hold and number, since a file can ask for copies without end.
+fn check_triangles(document: &Document<'_>, parts: &SceneParts) -> Result<(), SceneError> {
+    let FrameSize { triangles, stored_triangles, .. } = FrameSize::of(parts);
+    for (count, most) in [(stored_triangles, MAX_STORED_TRIANGLES), (triangles, MAX_DRAWN_TRIANGLES)] {
+        if count > most {
+            let problem = format!(
+                "with their instances they draw {triangles} triangles, of which frames hold {stored_triangles}; more than {MAX_STORED_TRIANGLES} held or {MAX_DRAWN_TRIANGLES} drawn are too many, reduce or split the file"
+            );
+            return Err(document.limit("meshes", problem));
+        }
+    }
+    Ok(())
 }
 
 /// What there is to choose from, and what becomes of the extensions.

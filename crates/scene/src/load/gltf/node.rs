@@ -6,7 +6,6 @@ use glam::{Affine3A, Mat4, Quat, Vec3};
 
 use super::{
     document::Document,
-    limits::MAX_DRAWN_TRIANGLES,
     material::Materials,
     mesh, pointer,
     schema::{self, Index},
@@ -15,7 +14,7 @@ use crate::{
     SceneError,
     camera::{Camera, CameraMotion, ClipPlanes, Lens},
     load::stroke::Sketch,
-    model::{Instance, Light, LightKind, Node, SceneParts, Skin, Transform},
+    model::{Instance, Light, LightKind, LightNumber, Node, SceneParts, Skin, Transform},
 };
 
 /// Nodes sorted so that a parent stands before its children, with a way from the file's indices to the sorted
@@ -108,6 +107,11 @@ impl Hierarchy {
         place: &str,
     ) -> Result<u32, SceneError> {
         document.get(&self.sorted, index, "node", place).copied()
+    }
+
+    /// File index of the nodes that are hidden unless an animation shows them.
+    pub(super) fn hidden_at_rest(&self) -> impl Iterator<Item = Index> {
+        self.hidden_at_rest.iter().map(|&at| self.order[at as usize])
     }
 
     /// Marks what hangs on marked nodes as well; nodes are in the order of the file.
@@ -222,7 +226,6 @@ impl Hierarchy {
     ) -> Result<Vec<Sketch>, SceneError> {
         let mut library = mesh::Library::new(document);
         let mut next_id = 0_u32;
-        let mut drawn_triangles = 0_u64;
         for (at, index, node) in self.shown(document) {
             let Some(mesh_index) = node.mesh else { continue };
             // What is drawn at the node: the primitives of its mesh, on what skin, how often and with which
@@ -269,15 +272,6 @@ impl Hierarchy {
                     .ok_or_else(|| document.limit(&node_place, "there are more than 2³² objects"))?;
                 for (primitive, &skin) in primitives.iter().zip(&hung) {
                     let mesh = &parts.meshes[primitive.mesh as usize];
-                    // Both what is drawn and what is stored is bounded, since a file can ask for copies
-                    // without end.
-                    drawn_triangles += primitive.triangle_count as u64;
-                    if drawn_triangles > MAX_DRAWN_TRIANGLES {
-                        let problem = format!(
-                            "with its instances the file draws more than {MAX_DRAWN_TRIANGLES} triangles; reduce or split it"
-                        );
-                        return Err(document.limit(&node_place, problem));
-                    }
                     let target_count = mesh.morph_targets.len();
                     document.charge(
                         1,
@@ -425,9 +419,10 @@ fn light(document: &Document<'_>, light: Index, node: Index, sorted: u32) -> Res
         "directional" => LightKind::Directional,
         "point" => LightKind::Point { range },
         "spot" => {
-            let outer = described.spot.outer_cone_angle.clamp(1e-4, std::f32::consts::FRAC_PI_2);
-            let inner = described.spot.inner_cone_angle.clamp(0.0, outer);
-            LightKind::Spot { range, inner_cone_rad: inner, outer_cone_rad: outer }
+            let mut kind = LightKind::Spot { range, inner_cone_rad: 0.0, outer_cone_rad: 0.0 };
+            kind.set(LightNumber::InnerCone, described.spot.inner_cone_angle);
+            kind.set(LightNumber::OuterCone, described.spot.outer_cone_angle);
+            kind.with_nested_cones()
         }
         other => return Err(fault(format!("its type '{other}' is not directional, point or spot"))),
     };

@@ -4,7 +4,7 @@ use super::{
     document::Document,
     schema::{AnimationTarget, Index},
 };
-use crate::model::{Factor, LensNumber, TextureSlot};
+use crate::model::{Factor, LensNumber, LightNumber, TextureSlot};
 
 /// What an animation changes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,6 +46,13 @@ pub(super) enum Pointed<'p> {
     LightIntensity {
         light: Index,
     },
+    LightShape {
+        light: Index,
+        which: LightNumber,
+    },
+    Transmission {
+        material: Index,
+    },
 }
 
 /// The pointer of a channel's target; those of the core are written as one. None if it has no target.
@@ -65,9 +72,16 @@ pub(super) fn parse(pointer: &str) -> Option<Pointed<'_>> {
         let (extension, list) = (steps.next()?, steps.next()?);
         let light = steps.next()?.parse().ok()?;
         let rest: Vec<&str> = steps.collect();
-        return match (extension, list, &rest[..]) {
-            ("KHR_lights_punctual", "lights", ["color"]) => Some(Pointed::LightColour { light }),
-            ("KHR_lights_punctual", "lights", ["intensity"]) => Some(Pointed::LightIntensity { light }),
+        if (extension, list) != ("KHR_lights_punctual", "lights") {
+            return None;
+        }
+        let shape = |which| Some(Pointed::LightShape { light, which });
+        return match &rest[..] {
+            ["color"] => Some(Pointed::LightColour { light }),
+            ["intensity"] => Some(Pointed::LightIntensity { light }),
+            ["range"] => shape(LightNumber::Range),
+            ["spot", "innerConeAngle"] => shape(LightNumber::InnerCone),
+            ["spot", "outerConeAngle"] => shape(LightNumber::OuterCone),
             _ => None,
         };
     }
@@ -109,6 +123,9 @@ fn of_material<'p>(material: Index, path: &[&'p str]) -> Option<Pointed<'p>> {
         ["extensions", "KHR_materials_emissive_strength", "emissiveStrength"] => {
             Some(Pointed::EmissiveStrength { material })
         }
+        ["extensions", "KHR_materials_transmission", "transmissionFactor"] => {
+            Some(Pointed::Transmission { material })
+        }
         [texture @ .., "extensions", "KHR_texture_transform", part @ ("offset" | "rotation" | "scale")] => {
             let slot = match texture {
                 ["pbrMetallicRoughness", "baseColorTexture"] => TextureSlot::BaseColour,
@@ -124,11 +141,26 @@ fn of_material<'p>(material: Index, path: &[&'p str]) -> Option<Pointed<'p>> {
     }
 }
 
-/// The nodes whose visibility an animation of the file changes.
+/// The targets of the animations that may play, as pointers.
+fn playing<'d>(document: &'d Document<'_>) -> impl Iterator<Item = String> + 'd {
+    let animations = document.root.animations.iter().enumerate();
+    let playing = animations.filter(|(index, _)| document.choices.plays(*index));
+    let channels = playing.flat_map(|(_, animation)| &animation.channels);
+    channels.filter_map(|channel| of_target(&channel.target))
+}
+
+/// The nodes whose visibility an animation changes that may play.
 pub(super) fn animated_visibilities<'d>(document: &'d Document<'_>) -> impl Iterator<Item = Index> + 'd {
-    let channels = document.root.animations.iter().flat_map(|animation| &animation.channels);
-    channels.filter_map(|channel| match parse(&of_target(&channel.target)?)? {
+    playing(document).filter_map(|pointer| match parse(&pointer)? {
         Pointed::Visibility { node } => Some(node),
+        _ => None,
+    })
+}
+
+/// The materials whose transmission an animation changes that may play.
+pub(super) fn animated_transmissions<'d>(document: &'d Document<'_>) -> impl Iterator<Item = Index> + 'd {
+    playing(document).filter_map(|pointer| match parse(&pointer)? {
+        Pointed::Transmission { material } => Some(material),
         _ => None,
     })
 }
@@ -150,6 +182,10 @@ mod tests {
             parse("/extensions/KHR_lights_punctual/lights/2/intensity"),
             Some(Pointed::LightIntensity { light: 2 })
         );
+        assert_eq!(
+            parse("/extensions/KHR_lights_punctual/lights/0/spot/outerConeAngle"),
+            Some(Pointed::LightShape { light: 0, which: LightNumber::OuterCone })
+        );
         for nothing in [
             "",
             "/",
@@ -158,6 +194,8 @@ mod tests {
             "/nodes/0/scale/0",
             "/materials/0",
             "/cameras/0/perspective/aspectRatio",
+            "/extensions/KHR_lights_punctual/lights/0/spot",
+            "/extensions/KHR_lights_punctual/lights/0/type",
         ] {
             assert_eq!(parse(nothing), None, "{nothing}");
         }

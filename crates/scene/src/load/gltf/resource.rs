@@ -121,6 +121,37 @@ pub(in crate::load) fn read_beside(
     })
 }
 
+/// The file that such a name means; none if it may not be read.
+pub(in crate::load) fn path_beside(name: &str, path: &Path, options: &LoadOptions) -> Option<PathBuf> {
+    let folder = path.parent().unwrap_or(Path::new(""));
+    file_of(&name.replace('%', "%25"), folder, &options.allowed_folders)
+}
+
+/// How a file below the folder of another one is really spelt that is named in other cases of letters, as
+/// systems let people do that do not tell them apart.
+pub(in crate::load) fn spelt_otherwise(name: &str, path: &Path, options: &LoadOptions) -> Option<String> {
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let wanted = path_beside(name, path, options)?;
+    let mut found = PathBuf::new();
+    for component in wanted.strip_prefix(folder).ok()?.components() {
+        let wanted = component.as_os_str();
+        if folder.join(&found).join(wanted).exists() {
+            found.push(wanted);
+            continue;
+        }
+        let inside = folder.join(&found);
+        // The folder of a file without a path is the current one.
+        let inside = if inside.as_os_str().is_empty() { Path::new(".") } else { &inside };
+        let mut names: Vec<_> = inside.read_dir().ok()?.flatten().map(|entry| entry.file_name()).collect();
+        names.sort_unstable();
+        let wanted = wanted.to_str()?.to_lowercase();
+        found.push(
+            names.into_iter().find(|name| name.to_str().is_some_and(|name| name.to_lowercase() == wanted))?,
+        );
+    }
+    found.to_str().map(str::to_owned)
+}
+
 /// Why a URI gives no bytes.
 pub(super) enum UriError {
     /// What is wrong with it and what to do.

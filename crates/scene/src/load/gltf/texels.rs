@@ -21,17 +21,17 @@ pub(super) struct Texels {
 /// Where texels come from.
 #[derive(Clone)]
 pub(super) enum Source {
-    /// An image of the file.
-    File(Index),
+    /// Images of the file, of which the first that can be read is meant.
+    File(Vec<Index>),
     /// Texels that are computed from other images.
     Computed(Arc<Image<[u8; 4]>>),
 }
 
 impl Texels {
-    /// The image of the file that the texels are from, unless they are computed.
-    pub(super) fn file_image(&self) -> Option<Index> {
-        match self.source {
-            Source::File(index) => Some(index),
+    /// The images of the file that the texels may be from, unless they are computed.
+    pub(super) fn file_images(&self) -> Option<&[Index]> {
+        match &self.source {
+            Source::File(indices) => Some(indices),
             Source::Computed(_) => None,
         }
     }

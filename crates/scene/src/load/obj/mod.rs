@@ -5,30 +5,43 @@
 //!
 //! Objects and groups are objects of the scene, each with one mesh a material. Faces are drawn from both
 //! sides, since files do not say. Where normals are missing they are made: by smoothing groups where the file
-//! has them, by the angle between faces where it has none.
+//! has them, by the angle between faces where it has none. A file of vertices alone is drawn as points.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
-use glam::{Affine3A, Vec2, Vec3, Vec4};
-use sheer_core::colour::linear_from_srgb;
+use glam::{Vec2, Vec3, Vec4};
 
 use super::{
     Loaded,
-    crease::{Smoothing, corner_normals},
-    source::Source,
+    crease::{self, Smoothing, corner_normals},
+    polygon::Cutter,
+    source::{self, Source},
     stroke::{self, Sketch, Strokes},
     text::{self, Line, next_number, shown},
+    vertex_colour,
 };
 use crate::{
     SceneError,
-    model::{AlphaMode, Instance, Mesh, Node, Transform},
+    model::{AlphaMode, Instance, Mesh, Node},
 };
 
 mod mtl;
-mod polygon;
 
 /// Stands for an index that a corner does not have.
 const NONE: u32 = u32::MAX;
+
+/// Bytes of a vector, a position with a colour, a triangle and a stroke in lists that double as they grow.
+const VECTOR_BYTES: usize = 2 * size_of::<Vec3>();
+const POSITION_BYTES: usize = VECTOR_BYTES + 2 * size_of::<Vec4>();
+const TRIANGLE_BYTES: usize = 2 * (size_of::<[Corner; 3]>() + size_of::<Smoothing>() + size_of::<[u32; 3]>());
+const STROKE_BYTES: usize = 4 * size_of::<[u32; 2]>();
+/// Bytes of a vertex of a mesh: position, normal, coordinates and colour, and its entry among those that are
+/// known.
+const VERTEX_BYTES: usize = 2 * (12 + 12 + 8 + 16) + 2 * size_of::<((Corner, [u32; 3]), u32)>();
+/// Bytes of a piece of an object, with its mesh and its instance.
+const PIECE_BYTES: usize = 1000;
+/// Bytes of a name, and of a material that has one.
+const NAME_BYTES: usize = 700;
 
 /// A corner of a face: indices into the lists of the file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -53,16 +66,24 @@ struct Piece {
 struct Reader<'s, 'a> {
     source: &'s Source<'a>,
     positions: Vec<Vec3>,
-    /// Linear colour and alpha of each position, from the first that has one on.
+    /// Colour and alpha of each position as the file writes them, up to the last that has one; white before
+    /// the first.
     colours: Vec<Vec4>,
+    /// The greatest component of a colour.
+    brightest: f64,
     uvs: Vec<Vec2>,
     normals: Vec<Vec3>,
     objects: Names,
     materials: Names,
+    /// Files of materials, each once, with the line that names it.
     libraries: Vec<(String, String)>,
+    named_libraries: HashSet<String>,
     pieces: Vec<Piece>,
     piece_of: HashMap<(u32, u32), usize>,
     triangle_count: usize,
+    cutter: Cutter,
+    /// A face, a line, a point or something else was made of vertices.
+    says_what_is_drawn: bool,
     object: u32,
     material: u32,
     smoothing: Smoothing,
@@ -76,11 +97,15 @@ struct Names {
 }
 
 impl Names {
-    fn number(&mut self, name: String) -> u32 {
-        *self.number_of.entry(name).or_insert_with_key(|name| {
-            self.names.push(name.clone());
-            self.names.len() as u32 - 1
-        })
+    fn number(&mut self, name: String, source: &Source<'_>) -> Result<u32, SceneError> {
+        if let Some(&number) = self.number_of.get(&name) {
+            return Ok(number);
+        }
+        source.take(NAME_BYTES + 2 * name.len(), "names")?;
+        let number = self.names.len() as u32;
+        self.names.push(name.clone());
+        self.number_of.insert(name, number);
+        Ok(number)
     }
 }
 
@@ -89,21 +114,25 @@ pub(super) fn read(bytes: &[u8], source: Source<'_>) -> Result<Loaded, SceneErro
         source: &source,
         positions: Vec::new(),
         colours: Vec::new(),
+        brightest: 0.0,
         uvs: Vec::new(),
         normals: Vec::new(),
         objects: Names::default(),
         materials: Names::default(),
         libraries: Vec::new(),
+        named_libraries: HashSet::new(),
         pieces: Vec::new(),
         piece_of: HashMap::new(),
         triangle_count: 0,
+        cutter: Cutter::new(),
+        says_what_is_drawn: false,
         object: 0,
         material: 0,
         smoothing: Smoothing::Angle,
     };
     // What stands before any name belongs to these.
-    reader.objects.number(String::new());
-    reader.materials.number(String::new());
+    reader.objects.number(String::new(), &source)?;
+    reader.materials.number(String::new(), &source)?;
     for line in text::lines(bytes) {
         reader.read_line(&line)?;
     }
@@ -111,30 +140,31 @@ pub(super) fn read(bytes: &[u8], source: Source<'_>) -> Result<Loaded, SceneErro
         let problem = "this is no OBJ file: no line of it begins with a word of the format; export it again";
         return Err(source.fault("line 1", problem));
     }
+    if reader.cutter.gave_up() {
+        source.repaired("faces", "of concave polygons of many corners some were taken for convex ones");
+    }
+    reader.finish_vertices()?;
 
     let mut parts = source.parts();
     (parts.materials, parts.textures) = mtl::read(&source, &reader.libraries, &reader.materials.names)?;
-    parts.nodes = vec![Node { name: String::new(), parent: None, transform: Transform::IDENTITY }];
+    parts.nodes = vec![Node::default()];
     let mut geometries: HashMap<u32, u32> = HashMap::new();
     let mut sketches = Vec::new();
     for piece in &reader.pieces {
         let mut add = |mesh: Mesh| {
             let geometry = geometries.entry(piece.object).or_insert(0);
             parts.instances.push(Instance {
-                node: 0,
-                node_from_object: Affine3A::IDENTITY,
                 mesh: parts.meshes.len() as u32,
                 id: piece.object,
                 geometry: *geometry,
-                skin: None,
-                morph_weights: Vec::new(),
+                ..Instance::default()
             });
             *geometry += 1;
             parts.meshes.push(mesh);
             parts.meshes.len() as u32 - 1
         };
         if !piece.triangles.is_empty() {
-            add(reader.mesh(piece));
+            add(reader.mesh(piece)?);
         }
         if !piece.lines.is_empty() {
             let (mesh, numbers) = reader.thread(piece, piece.lines.as_flattened());
@@ -154,6 +184,7 @@ pub(super) fn read(bytes: &[u8], source: Source<'_>) -> Result<Loaded, SceneErro
         if let Some(said) = sketch.strokes.thin_out() {
             source.repaired("points and lines", said);
         }
+        source.take(sketch.strokes.body_bytes(), "points and lines")?;
     }
     stroke::draw(&mut parts, sketches);
     source.finish(parts)
@@ -172,29 +203,39 @@ fn looks_like_obj(bytes: &[u8]) -> bool {
 impl Reader<'_, '_> {
     fn read_line(&mut self, line: &Line<'_>) -> Result<(), SceneError> {
         let source = self.source;
-        let fault = |problem: String| source.fault(line.place(), problem);
         let mut words = line.words();
         let Some(word) = words.next() else { return Ok(()) };
+        // A line that is not sound keeps its number among those of its kind.
+        let lost = |problem: String| source.lost(line.place(), format!("{problem}; the line was left out"));
         match word {
-            b"v" => self.read_position(&mut words).map_err(fault)?,
+            b"v" => {
+                source.take(POSITION_BYTES, "vertices")?;
+                if let Err(problem) = self.read_position(&mut words) {
+                    lost(problem)?;
+                    self.positions.push(Vec3::NAN);
+                }
+            }
             b"vt" => {
-                let u = next_number(&mut words).map_err(fault)?;
-                // A curve has one coordinate, a volume three.
-                let v: f32 = words.next().map_or(Ok(0.0), text::number).map_err(fault)?;
-                let uv = Vec2::new(u, 1.0 - v);
+                source.take(VECTOR_BYTES, "texture coordinates")?;
+                let uv = read_uv(&mut words).or_else(|problem| lost(problem).map(|()| Vec2::ZERO))?;
                 self.uvs.push(if uv.is_finite() { uv } else { Vec2::ZERO });
             }
             b"vn" => {
-                let mut next = || next_number::<f32>(&mut words).map_err(fault);
-                let normal = Vec3::new(next()?, next()?, next()?);
+                source.take(VECTOR_BYTES, "normals")?;
+                let normal = read_normal(&mut words).or_else(|problem| lost(problem).map(|()| Vec3::ZERO))?;
                 self.normals.push(normal.try_normalize().unwrap_or(Vec3::ZERO));
             }
             b"f" | b"fo" => self.read_face(line, words)?,
             b"l" => self.read_strokes(line, words, true)?,
             b"p" => self.read_strokes(line, words, false)?,
-            b"o" | b"g" => self.object = self.objects.number(line.rest()),
-            b"usemtl" => self.material = self.materials.number(line.rest()),
-            b"mtllib" => self.libraries.push((line.place(), line.rest())),
+            b"o" | b"g" => self.object = self.objects.number(line.rest(), source)?,
+            b"usemtl" => self.material = self.materials.number(line.rest(), source)?,
+            b"mtllib" => {
+                let name = line.rest();
+                if self.named_libraries.insert(name.clone()) {
+                    self.libraries.push((line.place(), name));
+                }
+            }
             b"s" => {
                 self.smoothing = match words.next() {
                     None | Some(b"off" | b"0") => Smoothing::Flat,
@@ -202,6 +243,7 @@ impl Reader<'_, '_> {
                 };
             }
             b"curv" | b"curv2" | b"surf" | b"call" | b"csh" => {
+                self.says_what_is_drawn = true;
                 source.repaired(line.place(), format!("'{}' has no effect here", shown(word)));
             }
             // Words for free-form surfaces that stand around these, display attributes, and what exporters
@@ -226,15 +268,30 @@ impl Reader<'_, '_> {
         }
         let [x, y, z, r, g, b, a] = numbers;
         if count >= 6 {
-            self.colours.resize(self.positions.len(), Vec4::ONE);
-            let alpha = if count == 7 { a } else { 1.0 };
-            let share = |value: f32| if value > 0.0 { value.min(1.0) } else { 0.0 };
-            let [r, g, b] = [r, g, b].map(|value| linear_from_srgb(share(value)));
-            self.colours.push(Vec4::new(r, g, b, share(alpha)));
-        } else if !self.colours.is_empty() {
-            self.colours.push(Vec4::ONE);
+            // Infinity stands for white and opaque, whatever the unit.
+            let colour = Vec4::new(r, g, b, if count == 7 { a } else { f32::INFINITY });
+            let finite = colour.to_array().into_iter().filter(|value| value.is_finite());
+            self.brightest = finite.map(f64::from).fold(self.brightest, f64::max);
+            self.colours.resize(self.positions.len(), Vec4::INFINITY);
+            self.colours.push(colour);
         }
         self.positions.push(Vec3::new(x, y, z));
+        Ok(())
+    }
+
+    /// Makes colours linear, and points of vertices of which nothing was made.
+    fn finish_vertices(&mut self) -> Result<(), SceneError> {
+        let whole = vertex_colour::whole_of_shares(self.brightest);
+        self.colours.iter_mut().for_each(|colour| *colour = vertex_colour::linear(*colour, whole));
+        if !self.says_what_is_drawn {
+            let sound = (0..).zip(&self.positions).filter(|(_, position)| position.is_finite());
+            let points: Vec<u32> = sound.map(|(index, _)| index).collect();
+            if !points.is_empty() {
+                self.source.take(STROKE_BYTES * points.len(), "vertices")?;
+                let piece = self.piece()?;
+                self.pieces[piece].points = points;
+            }
+        }
         Ok(())
     }
 
@@ -243,19 +300,19 @@ impl Reader<'_, '_> {
         line: &Line<'_>,
         words: impl Iterator<Item = &'w [u8]>,
     ) -> Result<(), SceneError> {
+        self.says_what_is_drawn = true;
         let mut corners = Vec::with_capacity(4);
+        let mut missing = None;
         for word in words {
-            match self.corner(word) {
+            match self.corner(word, &mut missing) {
                 Ok(corner) => corners.push(corner),
-                Err(CornerFault::NotANumber(problem)) => {
-                    return Err(self.source.fault(line.place(), problem));
-                }
-                Err(CornerFault::NotThere(what)) => {
-                    let place = line.place();
-                    let what = format!("a face was left out: it refers to {what}");
-                    return self.source.lost(place, what);
+                Err(problem) => {
+                    return self.source.lost(line.place(), format!("a face was left out: {problem}"));
                 }
             }
+        }
+        if let Some(missing) = missing {
+            self.source.lost(line.place(), format!("a face is drawn without a part of it: {missing}"))?;
         }
         if corners.len() < 3 {
             return self.source.lost(line.place(), "a face of fewer than three corners was left out");
@@ -265,10 +322,11 @@ impl Reader<'_, '_> {
         }
         self.triangle_count += corners.len() - 2;
         self.source.check_triangle_count(self.triangle_count, "faces")?;
-        let piece = self.piece();
+        self.source.take(TRIANGLE_BYTES * (corners.len() - 2), "faces")?;
+        let piece = self.piece()?;
         let piece = &mut self.pieces[piece];
         let at = |corner: u32| self.positions[corners[corner as usize].position as usize];
-        for triangle in polygon::triangles(corners.len() as u32, at) {
+        for triangle in self.cutter.triangles(corners.len() as u32, at) {
             piece.triangles.push(triangle.map(|corner| corners[corner as usize]));
             piece.smoothing.push(self.smoothing);
         }
@@ -276,19 +334,23 @@ impl Reader<'_, '_> {
     }
 
     /// Index of the piece that what comes next belongs to.
-    fn piece(&mut self) -> usize {
-        let pieces = &mut self.pieces;
-        *self.piece_of.entry((self.object, self.material)).or_insert_with_key(|&(object, material)| {
-            pieces.push(Piece {
-                object,
-                material,
-                triangles: Vec::new(),
-                smoothing: Vec::new(),
-                lines: Vec::new(),
-                points: Vec::new(),
-            });
-            pieces.len() - 1
-        })
+    fn piece(&mut self) -> Result<usize, SceneError> {
+        let (object, material) = (self.object, self.material);
+        if let Some(&piece) = self.piece_of.get(&(object, material)) {
+            return Ok(piece);
+        }
+        self.source.take(PIECE_BYTES, "objects")?;
+        let piece = self.pieces.len();
+        self.piece_of.insert((object, material), piece);
+        self.pieces.push(Piece {
+            object,
+            material,
+            triangles: Vec::new(),
+            smoothing: Vec::new(),
+            lines: Vec::new(),
+            points: Vec::new(),
+        });
+        Ok(piece)
     }
 
     /// A line through vertices, or single ones.
@@ -298,23 +360,22 @@ impl Reader<'_, '_> {
         words: impl Iterator<Item = &'w [u8]>,
         are_joined: bool,
     ) -> Result<(), SceneError> {
+        self.says_what_is_drawn = true;
         let mut positions = Vec::new();
         for word in words {
-            match self.corner(word) {
+            // Texture coordinates of lines say nothing here.
+            match self.corner(word, &mut None) {
                 Ok(corner) if self.positions[corner.position as usize].is_finite() => {
                     positions.push(corner.position);
                 }
-                Ok(_) => {}
-                Err(CornerFault::NotANumber(problem)) => {
-                    return Err(self.source.fault(line.place(), problem));
-                }
-                Err(CornerFault::NotThere(what)) => {
-                    let what = format!("a vertex was left out: it refers to {what}");
-                    self.source.lost(line.place(), what)?;
+                Ok(_) => self.source.lost(line.place(), "a vertex that is not finite was left out")?,
+                Err(problem) => {
+                    self.source.lost(line.place(), format!("a vertex was left out: {problem}"))?;
                 }
             }
         }
-        let piece = self.piece();
+        self.source.take(STROKE_BYTES * positions.len(), "points and lines")?;
+        let piece = self.piece()?;
         let piece = &mut self.pieces[piece];
         if are_joined {
             piece.lines.extend(positions.windows(2).map(|ends| [ends[0], ends[1]]));
@@ -324,36 +385,38 @@ impl Reader<'_, '_> {
         Ok(())
     }
 
-    /// `v`, `v/vt`, `v//vn` or `v/vt/vn`, counted from 1, or backwards from -1, the last.
-    fn corner(&self, word: &[u8]) -> Result<Corner, CornerFault> {
+    /// `v`, `v/vt`, `v//vn` or `v/vt/vn`, counted from 1, or backwards from -1, the last. What is wrong with
+    /// coordinates or normal, without which there still is a corner, is in `missing`.
+    fn corner(&self, word: &[u8], missing: &mut Option<String>) -> Result<Corner, String> {
         let mut numbers = word.split(|&byte| byte == b'/');
-        let mut index = |count: usize, what: &str| -> Result<u32, CornerFault> {
+        let mut index = |count: usize, what: &str| -> Result<u32, String> {
             let Some(number) = numbers.next().filter(|number| !number.is_empty()) else { return Ok(NONE) };
-            let index: i64 = text::number(number).map_err(CornerFault::NotANumber)?;
-            let found = if index < 0 { count as i64 + index } else { index - 1 };
+            let index: i64 = text::number(number)?;
+            let found = if index < 0 { index.saturating_add(count as i64) } else { index - 1 };
             if (0..count as i64).contains(&found) {
                 Ok(found as u32)
             } else {
-                Err(CornerFault::NotThere(format!("{what} {index}, but {count} stand before it")))
+                Err(format!("it refers to {what} {index}, but {count} stand before it"))
             }
         };
         let position = index(self.positions.len(), "vertex")?;
         if position == NONE {
-            let problem = format!("'{}' names no vertex; correct it or export the file again", shown(word));
-            return Err(CornerFault::NotANumber(problem));
+            return Err(format!("'{}' names no vertex; correct it or export the file again", shown(word)));
         }
-        let uv = index(self.uvs.len(), "texture coordinate")?;
-        let normal = index(self.normals.len(), "normal")?;
+        let mut or_none = |found: Result<u32, String>| {
+            found.unwrap_or_else(|problem| {
+                missing.get_or_insert(problem);
+                NONE
+            })
+        };
+        let uv = or_none(index(self.uvs.len(), "texture coordinate"));
+        let normal = or_none(index(self.normals.len(), "normal"));
         Ok(Corner { position, uv, normal })
     }
 
     /// The mesh of a piece, in which each combination of indices is a vertex.
-    fn mesh(&self, piece: &Piece) -> Mesh {
-        let mut mesh = Mesh {
-            name: self.objects.names[piece.object as usize].clone(),
-            material: piece.material,
-            ..Mesh::default()
-        };
+    fn mesh(&self, piece: &Piece) -> Result<Mesh, SceneError> {
+        let mut mesh = self.empty_mesh(piece);
         let corners = || piece.triangles.as_flattened().iter();
         let given = |corner: &Corner| {
             self.normals.get(corner.normal as usize).copied().filter(|normal| *normal != Vec3::ZERO)
@@ -366,53 +429,63 @@ impl Reader<'_, '_> {
         let is_flat = piece.smoothing.iter().all(|smoothing| *smoothing == Smoothing::Flat);
         // What is flat all over and has no normals needs none.
         let stays_flat = is_flat && corners().all(|corner| given(corner).is_none());
-        let made = (lacks_normals && !stays_flat).then(|| self.made_normals(piece));
+        let made = (lacks_normals && !stays_flat).then(|| self.made_normals(piece)).transpose()?;
         let has_normals = made.is_some() || !lacks_normals;
 
         let mut vertex_of: HashMap<(Corner, [u32; 3]), u32> = HashMap::new();
         for (index, corners) in piece.triangles.iter().enumerate() {
-            let vertices = std::array::from_fn(|at| {
-                let corner = corners[at];
+            let mut vertices = [0; 3];
+            for (at, &corner) in corners.iter().enumerate() {
                 let made = made.as_ref().map(|made| made[index][at]);
                 // Of an empty face any direction will do.
                 let normal = given(&corner).or(made).unwrap_or(Vec3::Y).try_normalize().unwrap_or(Vec3::Y);
                 // Vertices are the same if what they look like is.
                 let key = Corner { normal: NONE, ..corner };
                 let normal_key = if has_normals { normal.to_array().map(f32::to_bits) } else { [0; 3] };
-                *vertex_of.entry((key, normal_key)).or_insert_with(|| {
-                    mesh.positions.push(self.positions[corner.position as usize]);
-                    if has_normals {
-                        mesh.normals.push(normal);
-                    }
-                    if !self.colours.is_empty() {
-                        // Positions after the last coloured one are white.
-                        let colour = self.colours.get(corner.position as usize);
-                        mesh.colours.push(colour.copied().unwrap_or(Vec4::ONE));
-                    }
-                    if let [set] = &mut mesh.uv_sets[..] {
-                        set.push(self.uvs.get(corner.uv as usize).copied().unwrap_or(Vec2::ZERO));
-                    }
-                    mesh.positions.len() as u32 - 1
-                })
-            });
+                let next = mesh.positions.len() as u32;
+                vertices[at] = *vertex_of.entry((key, normal_key)).or_insert(next);
+                if vertices[at] != next {
+                    continue;
+                }
+                self.source.take(VERTEX_BYTES, "vertices")?;
+                mesh.positions.push(self.positions[corner.position as usize]);
+                if has_normals {
+                    mesh.normals.push(normal);
+                }
+                if !self.colours.is_empty() {
+                    mesh.colours.push(self.colour(corner.position));
+                }
+                if let [set] = &mut mesh.uv_sets[..] {
+                    set.push(self.uvs.get(corner.uv as usize).copied().unwrap_or(Vec2::ZERO));
+                }
+            }
             mesh.indices.push(vertices);
         }
-        mesh
+        Ok(mesh)
+    }
+
+    fn empty_mesh(&self, piece: &Piece) -> Mesh {
+        Mesh {
+            name: source::name(&self.objects.names[piece.object as usize]),
+            material: piece.material,
+            ..Mesh::default()
+        }
+    }
+
+    /// The colour of a position, where any has one; those after the last are white.
+    fn colour(&self, position: u32) -> Vec4 {
+        self.colours.get(position as usize).copied().unwrap_or(Vec4::ONE)
     }
 
     /// A mesh of the positions of points and lines, and their numbers in it.
     fn thread(&self, piece: &Piece, positions: &[u32]) -> (Mesh, Vec<u32>) {
-        let mut mesh = Mesh {
-            name: self.objects.names[piece.object as usize].clone(),
-            material: piece.material,
-            ..Mesh::default()
-        };
+        let mut mesh = self.empty_mesh(piece);
         let mut number_of: HashMap<u32, u32> = HashMap::new();
         let number = |&position: &u32| {
             *number_of.entry(position).or_insert_with(|| {
                 mesh.positions.push(self.positions[position as usize]);
                 if !self.colours.is_empty() {
-                    mesh.colours.push(self.colours.get(position as usize).copied().unwrap_or(Vec4::ONE));
+                    mesh.colours.push(self.colour(position));
                 }
                 mesh.positions.len() as u32 - 1
             })
@@ -422,7 +495,8 @@ impl Reader<'_, '_> {
     }
 
     /// Normals for all corners of a piece.
-    fn made_normals(&self, piece: &Piece) -> Vec<[Vec3; 3]> {
+    fn made_normals(&self, piece: &Piece) -> Result<Vec<[Vec3; 3]>, SceneError> {
+        self.source.take(crease::bytes(piece.triangles.len()), "normals")?;
         // Positions of the piece alone, so that many small pieces do not each walk the whole list.
         let mut number_of: HashMap<u32, u32> = HashMap::new();
         let mut positions = Vec::new();
@@ -436,14 +510,17 @@ impl Reader<'_, '_> {
                 })
             })
             .collect();
-        corner_normals(&positions, &triangles, |triangle| piece.smoothing[triangle])
+        Ok(corner_normals(&positions, &triangles, |triangle| piece.smoothing[triangle]))
     }
 }
 
-/// What is wrong with a corner.
-enum CornerFault {
-    /// It is not what a corner looks like; with what to do.
-    NotANumber(String),
-    /// It refers to something that is not there: what, and how many there are.
-    NotThere(String),
+fn read_uv<'w>(words: &mut impl Iterator<Item = &'w [u8]>) -> Result<Vec2, String> {
+    let u = next_number(words)?;
+    // A curve has one coordinate, a volume three.
+    let v: f32 = words.next().map_or(Ok(0.0), text::number)?;
+    Ok(Vec2::new(u, 1.0 - v))
+}
+
+fn read_normal<'w>(words: &mut impl Iterator<Item = &'w [u8]>) -> Result<Vec3, String> {
+    Ok(Vec3::new(next_number(words)?, next_number(words)?, next_number(words)?))
 }

@@ -2,13 +2,36 @@
 
 use glam::{Vec2, Vec3};
 
-/// Corners beyond which a polygon is taken as a fan: cutting ears is quadratic in them.
-const MOST_EARS: u32 = 512;
+/// Corners that are held against others in the polygons of a file: a second or two. Cutting ears is quadratic
+/// in the corners of most polygons, and cubic in those of some.
+const MOST_WORK: u64 = 1 << 29;
 
-/// Triangles of a polygon of so many corners, at least three, in its own order; `at` says where a corner is.
-pub(super) fn triangles(count: u32, at: impl Fn(u32) -> Vec3) -> Vec<[u32; 3]> {
+/// Cuts the polygons of a file.
+pub(super) struct Cutter {
+    work_left: u64,
+}
+
+impl Cutter {
+    pub(super) fn new() -> Self {
+        Self { work_left: MOST_WORK }
+    }
+
+    /// Whether some polygons became fans that should not have, because there were too many of too many
+    /// corners.
+    pub(super) fn gave_up(&self) -> bool {
+        self.work_left == 0
+    }
+
+    /// Triangles of a polygon of so many corners, at least three, in its own order; `at` says where a corner
+    /// is.
+    pub(super) fn triangles(&mut self, count: u32, at: impl Fn(u32) -> Vec3) -> Vec<[u32; 3]> {
+        triangles(count, at, &mut self.work_left)
+    }
+}
+
+fn triangles(count: u32, at: impl Fn(u32) -> Vec3, work_left: &mut u64) -> Vec<[u32; 3]> {
     let fan = || (2..count).map(|corner| [0, corner - 1, corner]).collect();
-    if !(4..=MOST_EARS).contains(&count) {
+    if count < 4 {
         return fan();
     }
     // The plane of the polygon (Newell): the axis along which it is most extended drops out.
@@ -37,7 +60,7 @@ pub(super) fn triangles(count: u32, at: impl Fn(u32) -> Vec3) -> Vec<[u32; 3]> {
     };
     let is_convex =
         (0..count).all(|corner| turn([corner, (corner + 1) % count, (corner + 2) % count]) >= 0.0);
-    if is_convex {
+    if is_convex || *work_left == 0 {
         return fan();
     }
 
@@ -47,8 +70,10 @@ pub(super) fn triangles(count: u32, at: impl Fn(u32) -> Vec3) -> Vec<[u32; 3]> {
     while left.len() > 3 {
         let around =
             |at: usize| [left[(at + left.len() - 1) % left.len()], left[at], left[(at + 1) % left.len()]];
+        let searched = if *work_left == 0 { 0 } else { left.len() };
         let is_ear = |at: &usize| {
             let [a, b, c] = around(*at);
+            *work_left = work_left.saturating_sub(left.len() as u64);
             turn([a, b, c]) > 0.0
                 && left.iter().filter(|corner| ![a, b, c].contains(corner)).all(|&other| {
                     let inside = |from: u32, to: u32| turn([from, to, other]) >= 0.0;
@@ -56,7 +81,7 @@ pub(super) fn triangles(count: u32, at: impl Fn(u32) -> Vec3) -> Vec<[u32; 3]> {
                 })
         };
         // A polygon that crosses itself has none at some point: any corner will do.
-        let ear = (0..left.len()).find(is_ear).unwrap_or(0);
+        let ear = (0..searched).find(is_ear).unwrap_or(0);
         triangles.push(around(ear));
         left.remove(ear);
     }
@@ -69,7 +94,7 @@ mod tests {
     use super::*;
 
     fn area(points: &[Vec3]) -> f32 {
-        let triangles = triangles(points.len() as u32, |corner| points[corner as usize]);
+        let triangles = Cutter::new().triangles(points.len() as u32, |corner| points[corner as usize]);
         assert_eq!(triangles.len(), points.len() - 2);
         triangles
             .iter()
@@ -106,7 +131,24 @@ mod tests {
     #[test]
     fn what_crosses_itself_or_has_no_area_ends_all_the_same() {
         let bow = [Vec3::ZERO, Vec3::new(1.0, 1.0, 0.0), Vec3::X, Vec3::Y, Vec3::splat(0.5)];
-        assert_eq!(triangles(5, |corner| bow[corner as usize]).len(), 3);
-        assert_eq!(triangles(6, |_| Vec3::ZERO).len(), 4);
+        let mut cutter = Cutter::new();
+        assert_eq!(cutter.triangles(5, |corner| bow[corner as usize]).len(), 3);
+        assert_eq!(cutter.triangles(6, |_| Vec3::ZERO).len(), 4);
+        assert!(!cutter.gave_up());
+    }
+
+    #[test]
+    fn tangled_polygons_of_many_corners_end_and_are_owned_up_to() {
+        // A star that winds around its middle again and again.
+        let star = |corner: u32| {
+            let (sin, cos) = (2.4 * corner as f32).sin_cos();
+            Vec3::new(cos, sin, 0.0) * (1.0 + 0.3 * (corner % 7) as f32)
+        };
+        let mut cutter = Cutter::new();
+        assert_eq!(cutter.triangles(20_000, star).len(), 19_998);
+        while !cutter.gave_up() {
+            cutter.triangles(5000, star);
+        }
+        assert_eq!(cutter.triangles(5, star).len(), 3);
     }
 }

@@ -1,0 +1,54 @@
+//! What frames of a scene will hold, and take in memory with the acceleration structure over them.
+
+use super::{
+    instances::Sharing,
+    pose::{instance_moves, moving_nodes},
+    property::Changing,
+};
+use crate::{
+    cost::{Drawn, of_object},
+    model::{AlphaMode, SceneParts},
+};
+
+/// The size of frames that share triangles as they do by default.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct FrameSize {
+    /// Triangles with a number: those of all instances.
+    pub triangles: u64,
+    /// Triangles that are stored.
+    pub stored_triangles: u64,
+    /// What all takes.
+    pub bytes: u64,
+}
+
+impl FrameSize {
+    pub(crate) fn of(parts: &SceneParts) -> Self {
+        let (node_moves, changing) = (moving_nodes(parts), Changing::of(parts));
+        let is_shared = Sharing::default().choose(parts, |index| changing.has(parts, index));
+        let mut are_stored = vec![false; parts.meshes.len()];
+        let mut size = Self::default();
+        for (index, instance) in (0..).zip(&parts.instances) {
+            let mesh = &parts.meshes[instance.mesh as usize];
+            let is_opaque = parts.materials[mesh.material as usize].alpha_mode == AlphaMode::Opaque;
+            let triangles = mesh.indices.len() as u64;
+            let shares = is_shared[index as usize];
+            // The first that shares them brings them.
+            let is_known = shares && std::mem::replace(&mut are_stored[instance.mesh as usize], true);
+            let moves = instance_moves(parts, &node_moves, index) || changing.has(parts, index);
+            let drawn = Drawn { moves: moves && !shares, is_opaque };
+            size.add(triangles, if is_known { 0 } else { triangles }, drawn);
+        }
+        // Quads, each of which is an object.
+        for _ in parts.particles.iter().flat_map(|system| &system.particles) {
+            size.add(2, 2, Drawn { moves: true, is_opaque: false });
+        }
+        size
+    }
+
+    /// Adds an object of so many triangles, of which so many are stored.
+    fn add(&mut self, triangles: u64, stored: u64, drawn: Drawn) {
+        self.triangles = self.triangles.saturating_add(triangles);
+        self.stored_triangles = self.stored_triangles.saturating_add(stored);
+        self.bytes = self.bytes.saturating_add(of_object(stored, drawn));
+    }
+}
