@@ -59,8 +59,9 @@ impl FrameRow {
 const WHOLE: [&str; 5] = ["smoke-square", "--time", "3", "--size", "960x540"];
 /// How many particles the cloud has, for the law of growth.
 const PARTICLES: [u32; 4] = [1_000, 10_000, 100_000, 1_000_000];
-/// Size, frames and contestants. Building takes as long for a small picture as for a large one, so methods that
-/// stop early have a large one; all layers of a million particles are many, so `baseline` has a small one.
+/// Size, frames and contestants. Building takes as long for a small picture as for a large one, so methods
+/// that stop early have a large one; all layers of a million particles are many, so `baseline` has a small
+/// one.
 const GROWTH: [(&str, &str, &[&str]); 3] = [
     ("960x540", "3", &["-m", "std", "-m", "joint"]),
     ("960x540", "3", &["-m", "joint", "-a", "layered"]),

@@ -9,6 +9,8 @@ pub(crate) struct Line {
     pub(crate) points: Vec<[f64; 2]>,
 }
 
+/// What makes a file of markup an SVG picture.
+const NAMESPACE: &str = "http://www.w3.org/2000/svg";
 const SIZE: [f64; 2] = [700.0, 400.0];
 /// Left, right, top, bottom: room for labels.
 const MARGINS: [f64; 4] = [60.0, 190.0, 15.0, 45.0];
@@ -31,7 +33,7 @@ pub(crate) fn log_log(lines: &[Line]) -> String {
     let place = |[x, y]: [f64; 2]| [x_at(x.log10()), y_at(y.log10())];
 
     let mut svg = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {} {}\" font-family=\"sans-serif\" font-size=\"12\">\n\
+        "<svg xmlns=\"{NAMESPACE}\" viewBox=\"0 0 {} {}\" font-family=\"sans-serif\" font-size=\"12\">\n\
          <rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n",
         SIZE[0], SIZE[1]
     );

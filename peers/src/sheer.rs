@@ -60,7 +60,8 @@ impl<'a> Sheer<'a> {
         }
     }
 
-    /// Answers a question for each ray, those of a tile of 8 x 8 pixels, or the samples of four pixels, together.
+    /// Answers a question for each ray, those of a tile of 8 x 8 pixels, or the samples of four pixels,
+    /// together.
     pub(crate) fn answer_tiles(&self, question: Question, workload: &Workload, answers: &mut [Answer]) {
         let (tree, scene) = (&self.tree, self.scene);
         let mut closest = Vec::new();

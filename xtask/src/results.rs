@@ -26,8 +26,8 @@ const SCALING_ROUNDS: usize = 5;
 /// Measure the claims.
 #[derive(Args)]
 pub(crate) struct Results {
-    /// Experiments to make again, or `readme` for its pictures and tables; all if none is given. The rest stays
-    /// as it is.
+    /// Experiments to make again, or `readme` for its pictures and tables; all if none is given. The rest
+    /// stays as it is.
     names: Vec<String>,
     /// Keep what this commit has measured already: goes on where a run was interrupted.
     #[arg(long)]

@@ -1,6 +1,6 @@
-//! Rays per second and build times on three seeded scenes (`scenes`), on each SIMD path this processor runs; and on
-//! `instances`, 400 turned balls of 1152 triangles each, as instances of one (`shared`) and as they would be
-//! with triangles of their own (`copied`).
+//! Rays per second and build times on three seeded scenes (`scenes`), on each SIMD path this processor runs;
+//! and on `instances`, 400 turned balls of 1152 triangles each, as instances of one (`shared`) and as they
+//! would be with triangles of their own (`copied`).
 //!
 //! Rays: `closest` takes the first hit, `stochastic` compares a texture's alpha with a hash of pixel and
 //! triangle, `all` collects every hit, `shadow` multiplies transmittances towards a light until nothing is

@@ -150,8 +150,8 @@ impl Bvh {
         }
     }
 
-    /// [`Self::traverse`] for rays that run close to one another, which makes it some times faster: `visit`
-    /// gets the index of a ray with its hit, and returns the new `t_max` of that ray. Each ray has the hits
+    /// [`Self::traverse`] for rays that run close to one another: `visit` gets the index of a ray with its
+    /// hit, and returns the new `t_max` of that ray. Each ray has the hits
     /// that it has alone, to the bit, but hits of several rays alternate.
     ///
     /// Rays are taken 64 at a time, in their order, those of one dominant direction together. Eight

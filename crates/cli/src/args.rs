@@ -119,8 +119,8 @@ pub(crate) struct RenderArguments {
     /// first frame.
     #[arg(long)]
     pub(crate) raw: bool,
-    /// Final frames: each is the mean of so many jittered samples of its own moment, while the clip plays, and
-    /// owes nothing to those before it. In place of -a; one picture shows the first frame.
+    /// Final frames: each is the mean of so many jittered samples of its own moment, while the clip plays,
+    /// and owes nothing to those before it. In place of -a; one picture shows the first frame.
     #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..=MOST_SAMPLES), conflicts_with_all = ["antialiasing", "raw"])]
     pub(crate) samples: Option<u32>,
     /// Motion blur of --samples: the share of the time from frame to frame that the shutter is open, around
@@ -181,8 +181,8 @@ pub(crate) struct CompareArguments {
 
 #[derive(Args, Debug)]
 pub(crate) struct MetricsArguments {
-    /// What the pictures are held against: a .png, .jpg or .webp file, shown as it is, an .exr or .hdr file of
-    /// linear light, or a clip: a folder of them, or a name with `####` or `%04d` for the number.
+    /// What the pictures are held against: a .png, .jpg or .webp file, shown as it is, an .exr or .hdr file
+    /// of linear light, or a clip: a folder of them, or a name with `####` or `%04d` for the number.
     #[arg(value_name = "REFERENCE")]
     pub(crate) reference: String,
     /// Pictures of the same size, or clips of as many, each as PATH or NAME=PATH.

@@ -207,7 +207,7 @@ mod tests {
 
     #[test]
     fn a_steady_error_does_not_flicker_and_one_that_comes_and_goes_does() {
-        let error_of = |index: u32| if index % 2 == 0 { 0.5 } else { 0.6 };
+        let error_of = |index: u32| if index.is_multiple_of(2) { 0.5 } else { 0.6 };
         let steady = JUDGING.judge("steady", 4, |_| Ok((grey(0.5), grey(0.6)))).unwrap();
         let flickering =
             JUDGING.judge("flickering", 4, |index| Ok((grey(0.5), grey(error_of(index))))).unwrap();

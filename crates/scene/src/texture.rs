@@ -348,12 +348,18 @@ mod tests {
     }
 
     fn of(texture: Texture) -> Sampler {
-        let blended = Material {
+        let parts = SceneParts { textures: vec![texture], ..SceneParts::default() };
+        samplers(&parts).remove(0)
+    }
+
+    fn blended(texture: Texture) -> Sampler {
+        let material = Material {
             base_colour_texture: Some(TextureRef::new(0)),
             alpha_mode: AlphaMode::Blend,
             ..Material::default()
         };
-        let parts = SceneParts { textures: vec![texture], materials: vec![blended], ..SceneParts::default() };
+        let parts =
+            SceneParts { textures: vec![texture], materials: vec![material], ..SceneParts::default() };
         samplers(&parts).remove(0)
     }
 
@@ -391,7 +397,7 @@ mod tests {
                 for (filter, levels) in
                     filters.into_iter().flat_map(|filter| levels.map(|levels| (filter, levels)))
                 {
-                    let sampler = of(Texture {
+                    let sampler = blended(Texture {
                         name: String::new(),
                         image: Arc::clone(&image),
                         srgb: true,
@@ -420,9 +426,9 @@ mod tests {
             filter: Filter::Linear,
             minification: Minification::default(),
         };
-        let repeated = of(texture([Wrap::Repeat; 2]));
+        let repeated = blended(texture([Wrap::Repeat; 2]));
         for wrap in [[Wrap::ClampToEdge, Wrap::Repeat], [Wrap::Repeat, Wrap::ClampToEdge]] {
-            let wrong = Sampler { alpha_map: of(texture(wrap)).alpha_map, ..repeated.clone() };
+            let wrong = Sampler { alpha_map: blended(texture(wrap)).alpha_map, ..repeated.clone() };
             assert!(!map_is_plain(&wrong, 1), "{wrap:?}");
         }
     }

@@ -1,6 +1,6 @@
-//! Embree 4: single rays, packets without and with the COHERENT flag, continuation rays. Packets have the most
-//! rays for which the processor has a traversal, 16 with AVX-512 and 8 with AVX2: Embree takes wider ones apart
-//! into single rays.
+//! Embree 4: single rays, packets without and with the COHERENT flag, continuation rays. Packets have the
+//! most rays for which the processor has a traversal, 16 with AVX-512 and 8 with AVX2: Embree takes wider
+//! ones apart into single rays.
 //!
 //! Geometry has build quality MEDIUM, as HIGH splits triangles and may show a filter one hit twice. Opacity
 //! is asked for by filter functions given as arguments of the query; they are compiled for each question, so

@@ -143,8 +143,8 @@ fn what_is_listed_can_be_chosen() {
 #[test]
 fn a_picture_of_nothing_is_warned_about() {
     let folder = folder();
-    fs::write(folder.path().join("nothing.obj"), "v 0 0 0\n").unwrap();
-    let outcome = succeed(folder.path(), "render nothing.obj -a none --size 8x8 -o a.png");
+    let away = "render a.gltf -a none --size 8x8 --eye 0,0,50 --target 0,0,90 -o a.png";
+    let outcome = succeed(folder.path(), away);
     assert!(outcome.stderr.contains("nothing is in the picture"), "{}", outcome.stderr);
     let outcome = succeed(folder.path(), "render a.gltf -a none --size 8x8 -o a.png");
     assert!(!outcome.stderr.contains("nothing is in the picture"), "{}", outcome.stderr);

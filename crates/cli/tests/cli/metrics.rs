@@ -1,4 +1,8 @@
 //! `sheer metrics`: pictures from anywhere, held against a reference; tables for spreadsheets and papers.
+#![expect(
+    clippy::unwrap_used,
+    reason = "a test fails by panicking, whether in a test function or on its way there"
+)]
 
 use std::{fs, path::Path};
 

@@ -1,4 +1,8 @@
 //! `sheer render`: which frames, seen from where, of how many samples.
+#![expect(
+    clippy::unwrap_used,
+    reason = "a test fails by panicking, whether in a test function or on its way there"
+)]
 
 use std::{fs, path::Path};
 
