@@ -22,13 +22,29 @@ const BRIGHTEST: f32 = 1e6;
 /// picture is not twice as wide as it is high.
 pub fn read_panorama(path: &Path, limits: TextureLimits) -> Result<Image<[f32; 3]>, ImageError> {
     let what = path.display().to_string();
-    let bytes = read_whole(path, limits.max_bytes).map_err(|source| match source.kind() {
+    let bytes = read_limited(path, limits)?;
+    decode_panorama(&bytes, &what, limits)
+}
+
+/// Reads a file of no more bytes than a picture may take.
+pub(crate) fn read_limited(path: &Path, limits: TextureLimits) -> Result<Vec<u8>, ImageError> {
+    let TextureLimits { max_bytes, .. } = limits;
+    read_whole(path, max_bytes).map_err(|source| match source.kind() {
         io::ErrorKind::FileTooLarge => {
-            ImageError::TooMuchMemory { what: what.clone(), max_bytes: limits.max_bytes }
+            ImageError::TooMuchMemory { what: path.display().to_string(), max_bytes }
         }
         _ => ImageError::Read { path: path.to_owned(), source },
-    })?;
-    decode_panorama(&bytes, &what, limits)
+    })
+}
+
+/// Whether the bytes are those of a Radiance HDR file.
+pub(crate) fn is_hdr(bytes: &[u8]) -> bool {
+    bytes.starts_with(b"#?")
+}
+
+/// Whether the bytes are those of an OpenEXR file.
+pub(crate) fn is_exr(bytes: &[u8]) -> bool {
+    bytes.starts_with(&[0x76, 0x2f, 0x31, 0x01])
 }
 
 /// Reads a panorama that is in memory already, as [`read_panorama`] does. `what` says in messages what the
@@ -42,9 +58,9 @@ pub fn decode_panorama(
     limits: TextureLimits,
 ) -> Result<Image<[f32; 3]>, ImageError> {
     let failed = |reason: String| ImageError::Decode { what: what.to_owned(), reason, formats: FORMATS };
-    let mut texels = if bytes.starts_with(b"#?") {
+    let mut texels = if is_hdr(bytes) {
         hdr(bytes, what, limits)?
-    } else if bytes.starts_with(&[0x76, 0x2f, 0x31, 0x01]) {
+    } else if is_exr(bytes) {
         exr(bytes, what, limits)?
     } else {
         return Err(failed("the bytes are in neither format".to_owned()));

@@ -1,12 +1,13 @@
 //! Reading finished pictures that other programs made, to hold ours against them.
 
-use std::{io, path::Path};
+use std::path::Path;
 
 use glam::Vec3;
 use sheer_core::colour::linear_from_srgb;
 
 use crate::{
-    DisplayShare, Image, ImageError, TextureLimits, decode_exr, decode_texture, panorama::hdr, read_whole,
+    DisplayShare, Image, ImageError, TextureLimits, decode_exr, decode_texture,
+    panorama::{hdr, is_exr, is_hdr, read_limited},
     unit_from_u8,
 };
 
@@ -27,12 +28,7 @@ pub struct Picture {
 /// [`ImageError::TooMuchMemory`] before anything large is allocated; [`ImageError::Decode`].
 pub fn read_picture(path: &Path, limits: TextureLimits) -> Result<Picture, ImageError> {
     let what = path.display().to_string();
-    let bytes = read_whole(path, limits.max_bytes).map_err(|source| match source.kind() {
-        io::ErrorKind::FileTooLarge => {
-            ImageError::TooMuchMemory { what: what.clone(), max_bytes: limits.max_bytes }
-        }
-        _ => ImageError::Read { path: path.to_owned(), source },
-    })?;
+    let bytes = read_limited(path, limits)?;
     decode_picture(&bytes, &what, limits)
 }
 
@@ -42,11 +38,11 @@ pub fn read_picture(path: &Path, limits: TextureLimits) -> Result<Picture, Image
 /// # Errors
 /// Those of [`read_picture`] but [`ImageError::Read`].
 pub fn decode_picture(bytes: &[u8], what: &str, limits: TextureLimits) -> Result<Picture, ImageError> {
-    if bytes.starts_with(b"#?") {
+    if is_hdr(bytes) {
         let colour = hdr(bytes, what, limits)?.par_map(|&[r, g, b]| [r, g, b, 1.0]);
         return Ok(Picture { colour, share: DisplayShare::Nothing });
     }
-    if bytes.starts_with(&[0x76, 0x2f, 0x31, 0x01]) {
+    if is_exr(bytes) {
         return Ok(Picture { colour: decode_exr(bytes, what)?.colour, share: DisplayShare::Nothing });
     }
     let texels = decode_texture(bytes, what, limits)?;
