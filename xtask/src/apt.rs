@@ -13,13 +13,25 @@ pub(crate) fn apt_get(arguments: &[&str]) -> anyhow::Result<()> {
     Ok(())
 }
 
+/// Lets sudo ask for a password now and remember it.
+pub(crate) fn authorise() -> anyhow::Result<()> {
+    if !is_root()? {
+        let status = Command::new("sudo").arg("--validate").status()?;
+        ensure!(status.success(), "installing packages takes the rights of the administrator");
+    }
+    Ok(())
+}
+
 /// A program with the rights of the administrator.
 pub(crate) fn as_root(program: &str) -> anyhow::Result<Command> {
-    let id = Command::new("id").arg("-u").output()?;
-    if id.stdout == b"0\n" {
+    if is_root()? {
         return Ok(Command::new(program));
     }
     let mut command = Command::new("sudo");
     command.arg(program);
     Ok(command)
+}
+
+fn is_root() -> anyhow::Result<bool> {
+    Ok(Command::new("id").arg("-u").output()?.stdout == b"0\n")
 }

@@ -39,10 +39,10 @@ const BACKPORTS_FILE: &str = "/etc/apt/sources.list.d/bookworm-backports.sources
 
 /// Installs the driver if there is none that traces rays, and returns whether it did. For systems with apt.
 pub(crate) fn install() -> anyhow::Result<bool> {
-    let is_old_release = fs::read_to_string("/etc/os-release").is_ok_and(|text| is_bookworm(&text));
-    if has_driver(&driver_files(), is_old_release.then(mesa_version).flatten().as_deref(), is_old_release) {
+    if is_there() {
         return Ok(false);
     }
+    let is_old_release = is_old_release();
     let mut arguments = vec!["install", "--yes", "--no-install-recommends"];
     if is_old_release {
         add_backports()?;
@@ -51,6 +51,16 @@ pub(crate) fn install() -> anyhow::Result<bool> {
     apt_get(&["update"])?;
     apt_get(&[arguments.as_slice(), &PACKAGES].concat())?;
     Ok(true)
+}
+
+/// Whether there is one.
+pub(crate) fn is_there() -> bool {
+    let is_old_release = is_old_release();
+    has_driver(&driver_files(), is_old_release.then(mesa_version).flatten().as_deref(), is_old_release)
+}
+
+fn is_old_release() -> bool {
+    fs::read_to_string("/etc/os-release").is_ok_and(|text| is_bookworm(&text))
 }
 
 /// Whether a driver is there that is new enough. `mesa`: the version of Mesa's package.

@@ -5,13 +5,29 @@ use std::{
     process::{Command, Stdio},
 };
 
-use crate::{apt::apt_get, driver, workspace::call};
+use crate::{
+    apt::{self, apt_get},
+    driver,
+    workspace::call,
+};
 
 /// Browsers that can look at the pages, a name a line, as the tests look for them.
 const BROWSERS: &str = include_str!("../../crates/cli/tests/cli/page/browsers.txt");
 
 /// Installs what is missing and says of each thing whether it was there.
 pub(crate) fn run() -> anyhow::Result<()> {
+    toolchain()?;
+    programs()
+}
+
+/// Asks for the administrator's password, should one be needed, before anything is installed beside other work
+/// whose output would hide the question.
+pub(crate) fn authorise() -> anyhow::Result<()> {
+    if answers("apt-get") && !(has_browser() && driver::is_there()) { apt::authorise() } else { Ok(()) }
+}
+
+/// What checks the sources.
+pub(crate) fn toolchain() -> anyhow::Result<()> {
     for (tool, component) in [("cargo-fmt", "rustfmt"), ("cargo-clippy", "clippy")] {
         if answers(tool) {
             eprintln!("setup: {component} is there");
@@ -20,14 +36,18 @@ pub(crate) fn run() -> anyhow::Result<()> {
             eprintln!("setup: {component} is installed");
         }
     }
+    Ok(())
+}
+
+/// What the tests look at pages and render with.
+pub(crate) fn programs() -> anyhow::Result<()> {
     if !answers("apt-get") {
         eprintln!(
             "setup: no apt-get here; a browser and a Vulkan driver have to be there, or the tests say what they miss"
         );
         return Ok(());
     }
-    let has_browser = env::var_os("CHROME").is_some() || BROWSERS.lines().any(answers);
-    if has_browser {
+    if has_browser() {
         eprintln!("setup: a browser is there");
     } else {
         // Recommended packages would bring a desktop; letters are needed all the same.
@@ -38,6 +58,10 @@ pub(crate) fn run() -> anyhow::Result<()> {
     let installed = driver::install()?;
     eprintln!("setup: a Vulkan driver that traces rays is {}", if installed { "installed" } else { "there" });
     Ok(())
+}
+
+fn has_browser() -> bool {
+    env::var_os("CHROME").is_some() || BROWSERS.lines().any(answers)
 }
 
 /// Whether a program is there and runs.

@@ -2,36 +2,18 @@
 
 use std::{
     process::Command,
+    thread,
     time::{Duration, Instant},
 };
 
-use anyhow::{Context as _, ensure};
+use anyhow::{Context as _, anyhow, ensure};
 
 use crate::{
     binaries, rules, setup,
     workspace::{call, call_with, root, sources},
 };
 
-type Step = (&'static str, fn() -> anyhow::Result<()>);
-
-/// From what needs least to what needs most, so that a slip is told early.
-const STEPS: [Step; 7] = [
-    ("setup", setup::run),
-    ("format", format),
-    ("rules", rules::run),
-    ("lint", || {
-        call("cargo", &["clippy", "--workspace", "--all-targets", "--locked", "--", "-D", "warnings"])
-    }),
-    ("build", || call("cargo", &["test", "--workspace", "--locked", "--no-run"])),
-    ("test", || binaries::run(&SOFTWARE_DRIVER)),
-    ("document", || {
-        call_with(
-            "cargo",
-            &["doc", "--workspace", "--no-deps", "--locked"],
-            &[("RUSTDOCFLAGS", "-D warnings")],
-        )
-    }),
-];
+type Step<'a> = (&'static str, Box<dyn FnOnce() -> anyhow::Result<()> + 'a>);
 
 /// Settings of Mesa's software driver, which compiles a shader with shading in it for longer than the test
 /// around it runs: narrow vectors and no optimisation by LLVM take less than half of the time. The pictures
@@ -40,18 +22,43 @@ const SOFTWARE_DRIVER: [(&str, &str); 2] = [("LP_NATIVE_VECTOR_WIDTH", "128"), (
 
 /// Runs the steps until one fails, and tells the time that each took.
 pub(crate) fn run() -> anyhow::Result<()> {
-    let mut times: Vec<(&str, Duration)> = Vec::new();
-    let mut result = Ok(());
-    for (name, step) in STEPS {
-        let start = Instant::now();
-        result = step();
-        times.push((name, start.elapsed()));
-        if result.is_err() {
-            break;
+    setup::authorise()?;
+    thread::scope(|scope| {
+        // Packages come over a network, which leaves the processors to the compiler.
+        let programs = scope.spawn(setup::programs);
+        // From what needs least to what needs most, so that a slip is told early.
+        let steps: [Step<'_>; 8] = [
+            ("toolchain", Box::new(setup::toolchain)),
+            ("format", Box::new(format)),
+            ("rules", Box::new(rules::run)),
+            ("lint", Box::new(lint)),
+            ("build", Box::new(|| call("cargo", &["test", "--workspace", "--locked", "--no-run"]))),
+            ("programs", Box::new(|| programs.join().map_err(|_| anyhow!("installing has panicked"))?)),
+            ("test", Box::new(|| binaries::run(&SOFTWARE_DRIVER))),
+            ("document", Box::new(document)),
+        ];
+        let mut times: Vec<(&str, Duration)> = Vec::new();
+        let mut result = Ok(());
+        for (name, step) in steps {
+            let start = Instant::now();
+            result = step();
+            times.push((name, start.elapsed()));
+            if result.is_err() {
+                break;
+            }
         }
-    }
-    eprintln!("\n{}", table(&times));
-    result
+        eprintln!("\n{}", table(&times));
+        result
+    })
+}
+
+fn lint() -> anyhow::Result<()> {
+    call("cargo", &["clippy", "--workspace", "--all-targets", "--locked", "--", "-D", "warnings"])
+}
+
+fn document() -> anyhow::Result<()> {
+    let arguments = ["doc", "--workspace", "--no-deps", "--locked"];
+    call_with("cargo", &arguments, &[("RUSTDOCFLAGS", "-D warnings")])
 }
 
 /// Every file by itself: what follows modules misses those that a macro declares, as tables of methods do.
