@@ -20,8 +20,8 @@ pub(crate) fn run() -> anyhow::Result<()> {
     programs()
 }
 
-/// Asks for the administrator's password, should one be needed, before anything is installed beside other work
-/// whose output would hide the question.
+/// Asks for the administrator's password, should one be needed, before anything is installed beside other
+/// work whose output would hide the question.
 pub(crate) fn authorise() -> anyhow::Result<()> {
     if answers("apt-get") && !(has_browser() && driver::is_there()) { apt::authorise() } else { Ok(()) }
 }

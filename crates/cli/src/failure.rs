@@ -11,6 +11,7 @@ use sheer_gallery::GalleryError;
 use sheer_gpu::GpuError;
 use sheer_image::ImageError;
 use sheer_lab::LabError;
+use sheer_load::LoadError;
 use sheer_render::RenderError;
 use sheer_scene::SceneError;
 
@@ -107,15 +108,15 @@ fn is_misuse_of_renderer(error: &RenderError) -> bool {
 fn is_misuse_of_gallery(error: &GalleryError) -> bool {
     match error {
         GalleryError::Unknown(_) | GalleryError::Parameter { .. } => true,
+        GalleryError::Load(file) => {
+            matches!(file, LoadError::UnknownFormat { .. } | LoadError::NoChoice { .. })
+        }
         GalleryError::Scene(scene) => is_misuse_of_scene(scene),
     }
 }
 
 fn is_misuse_of_scene(error: &SceneError) -> bool {
-    matches!(
-        error,
-        SceneError::UnknownFormat { .. } | SceneError::NoChoice { .. } | SceneError::NoCamera { .. }
-    )
+    matches!(error, SceneError::NoCamera { .. })
 }
 
 fn is_misuse_of_image(error: &ImageError) -> bool {
@@ -131,7 +132,7 @@ mod tests {
     #[test]
     fn a_cause_is_said_once() {
         let cause = io::Error::other("disk on fire");
-        let quoting = SceneError::Read { path: "a.glb".into(), source: cause };
+        let quoting = LoadError::Read { path: "a.glb".into(), source: cause };
         assert_eq!(message(&quoting.into()), "cannot read a.glb: disk on fire");
         let silent = Err::<(), _>(io::Error::other("disk on fire")).context("cannot read a.glb");
         assert_eq!(message(&silent.unwrap_err()), "cannot read a.glb: disk on fire");

@@ -8,8 +8,9 @@ use rayon::ThreadPoolBuilder;
 use sheer_core::parameter::Choice as _;
 use sheer_image::{Metadata, TextureLimits, Tone, read_panorama};
 use sheer_lab::file_name_from;
+use sheer_load::LoadOptions;
 use sheer_render::{Antialiasing, Backend, Method, RenderError, Settings, Shadow};
-use sheer_scene::{Camera, CameraChoice, CameraPose, Environment, Lens, LoadOptions, Scene};
+use sheer_scene::{Camera, CameraChoice, CameraPose, Environment, Lens, Scene};
 
 use crate::{
     args::{

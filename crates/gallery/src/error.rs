@@ -1,5 +1,6 @@
 //! Why there is no scene.
 
+use sheer_load::LoadError;
 use sheer_scene::SceneError;
 
 /// Why a text does not open as a scene. Each message says what is wrong and what to do.
@@ -8,7 +9,7 @@ pub enum GalleryError {
     /// Neither a built-in scene nor a file with a known extension.
     #[error(
         "'{0}' is neither a built-in scene nor a {endings} file; `sheer scenes` lists the built-in ones",
-        endings = sheer_scene::load::endings()
+        endings = sheer_load::endings()
     )]
     Unknown(String),
     /// A parameter of a built-in scene is unknown, out of range or given twice.
@@ -19,7 +20,10 @@ pub enum GalleryError {
         /// What is wrong, in words.
         problem: String,
     },
-    /// The file cannot be opened, or what was built is not a valid scene.
+    /// The file cannot be opened.
+    #[error(transparent)]
+    Load(#[from] LoadError),
+    /// What was built is not a valid scene.
     #[error(transparent)]
     Scene(#[from] SceneError),
 }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use sheer_scene::{LoadOptions, Loaded, SceneError, load::Contents};
+use sheer_load::{Contents, LoadError, LoadOptions, Loaded};
 
 use crate::{
     catalogue::{build, is_builtin},
@@ -27,8 +27,8 @@ pub fn open_with(text: &str, options: &LoadOptions) -> Result<Loaded, GalleryErr
         options.check_without_choices(Path::new(text))?;
         return Ok(Loaded { scene: build(text)?, warnings: Vec::new(), contents: Contents::default() });
     }
-    sheer_scene::open_with(text, options).map_err(|error| match error {
-        SceneError::UnknownFormat { .. } => GalleryError::Unknown(text.to_owned()),
+    sheer_load::open_with(text, options).map_err(|error| match error {
+        LoadError::UnknownFormat { .. } => GalleryError::Unknown(text.to_owned()),
         other => other.into(),
     })
 }
@@ -41,7 +41,7 @@ mod tests {
     fn a_name_opens_a_built_in_scene_and_a_path_a_file() {
         assert_eq!(open("layers:count=2").unwrap().scene.name(), "layers");
         let file = concat!(env!("CARGO_MANIFEST_DIR"), "/no-such-file.GLB");
-        assert!(matches!(open(file), Err(GalleryError::Scene(SceneError::Read { .. }))));
+        assert!(matches!(open(file), Err(GalleryError::Load(LoadError::Read { .. }))));
         for neither in ["layer", "layers.gltf.txt", ""] {
             let error = open(neither).unwrap_err().to_string();
             assert!(error.contains("neither a built-in scene nor a .gltf, .glb, .obj, "), "{error}");

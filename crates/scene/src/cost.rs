@@ -3,8 +3,6 @@
 //! The constants are the sizes of the lists that frames and acceleration structures keep, with what growing
 //! lists hold in reserve; a test of the command line holds them against the memory that runs take.
 
-use sheer_core::text::MemorySize;
-
 /// Bytes of a triangle wherever it is drawn: 44 in the frame's lists, which double as they grow, two
 /// references of 32 while the tree is built, and about 50 in its blocks and nodes.
 const TRIANGLE_BYTES: u64 = 200;
@@ -17,13 +15,13 @@ const OBJECT_BYTES: u64 = 400;
 
 /// Bytes of a texel of an image that is kept: four, its alpha once more, and a third of both for the levels
 /// below.
-pub(crate) const TEXEL_BYTES: u64 = 7;
+pub const TEXEL_BYTES: u64 = 7;
 /// Bytes beside that while it is decoded, or while levels are made of it.
-pub(crate) const DECODING_BYTES: u64 = 12;
+pub const DECODING_BYTES: u64 = 12;
 
 /// How triangles are drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Drawn {
+pub struct Drawn {
     /// They are where a node, a skin or a morph takes them anew in each frame.
     pub moves: bool,
     /// Opaque all over.
@@ -31,16 +29,9 @@ pub(crate) struct Drawn {
 }
 
 /// Bytes of an object of so many triangles.
-pub(crate) fn of_object(triangles: u64, drawn: Drawn) -> u64 {
+#[must_use]
+pub fn of_object(triangles: u64, drawn: Drawn) -> u64 {
     let opacity = if drawn.is_opaque { 0 } else { OPACITY_BYTES };
     let motion = if drawn.moves { MOTION_BYTES } else { 0 };
     triangles.saturating_mul(TRIANGLE_BYTES + opacity + motion).saturating_add(OBJECT_BYTES)
-}
-
-/// What is wrong with `bytes` more, of which `left` are left of a limit.
-pub(crate) fn beyond_limit(bytes: u64, left: u64, limit: u64) -> String {
-    let [bytes, left, limit] = [bytes, left, limit].map(MemorySize);
-    format!(
-        "it takes {bytes} of memory, and of the limit of {limit} there are {left} left; simplify it, or raise --memory-limit"
-    )
 }

@@ -32,14 +32,13 @@ mod surface;
 use attribute::{QUAD_UVS, mix};
 use footprint::texel_density;
 use instances::Instances;
-pub(crate) use instances::LEAST_SHARED;
 use property::Properties;
 
 pub use animator::{Animator, scene_lights};
 pub(crate) use deform::for_each_vertex_over_time;
 pub use footprint::{HEAD_ON, LEAST_GRAZING};
-pub use instances::{MeshInstance, Sharing};
-pub(crate) use memory::FrameSize;
+pub use instances::{LEAST_SHARED, MeshInstance, Sharing};
+pub use memory::FrameSize;
 pub(crate) use pose::camera_pose;
 pub use storage::{
     Look, MIRRORED, MorphedAttributes, NO_TEXTURE, OPAQUE, Object, SINGLE_SIDED, SLOT, StaticCounts, TINTED,

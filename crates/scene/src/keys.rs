@@ -65,7 +65,8 @@ impl Interpolate for Vec<f32> {
 
 impl Interpolation {
     /// How many values belong to a key: splines have a tangent before it and one after it.
-    pub(crate) fn values_per_key(self) -> usize {
+    #[must_use]
+    pub fn values_per_key(self) -> usize {
         if self == Self::CubicSpline { 3 } else { 1 }
     }
 }
@@ -78,7 +79,7 @@ impl<T> Keys<T> {
     }
 
     /// The values at the keys, without the tangents of splines.
-    pub(crate) fn key_values_mut(&mut self) -> impl Iterator<Item = &mut T> {
+    pub fn key_values_mut(&mut self) -> impl Iterator<Item = &mut T> {
         let values_per_key = self.interpolation.values_per_key();
         self.values.iter_mut().skip(values_per_key / 2).step_by(values_per_key)
     }

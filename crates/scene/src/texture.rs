@@ -75,7 +75,8 @@ fn owners(parts: &SceneParts, alpha_uses: &[AlphaUse]) -> Vec<usize> {
 
 /// Bytes that levels will take beyond those of one chain for each image: the same image is another one for
 /// each cutoff that its alpha is tested against, and has a map of its alpha for each way to wrap it.
-pub(crate) fn level_bytes(parts: &SceneParts) -> u64 {
+#[must_use]
+pub fn level_bytes(parts: &SceneParts) -> u64 {
     let owners = owners(parts, &alpha_uses(parts));
     let (mut images, mut chains, mut maps) = (HashSet::new(), HashSet::new(), HashSet::new());
     let bytes = |(index, texture): (usize, &Texture)| {

@@ -6,9 +6,9 @@ use glam::Vec3;
 use serde::Serialize;
 use sheer_core::text::beginning;
 use sheer_image::Image;
+use sheer_load::{Contents, Loaded};
 use sheer_scene::{
-    Camera, CameraChoice, Lens, Loaded, Scene, SceneMemory,
-    load::Contents,
+    Camera, CameraChoice, Lens, Scene, SceneMemory,
     model::{AlphaMode, LightKind, Material, Mesh, ShadingModel},
     scene_lights,
 };

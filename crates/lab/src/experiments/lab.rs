@@ -3,8 +3,9 @@
 use std::{borrow::Cow, sync::Arc};
 
 use sheer_image::{DisplayShare, Planes, Tone, display};
+use sheer_load::LoadOptions;
 use sheer_render::{Antialiasing, Backend, Clock, Method, Moment, Settings};
-use sheer_scene::{CameraChoice, LoadOptions};
+use sheer_scene::CameraChoice;
 
 use super::{
     claims::Sample,

@@ -16,7 +16,7 @@ use crate::model::{AlphaMode, Instance, Material, Mesh, SceneParts, TextureRef};
 
 /// Meshes of fewer triangles are copied: an instance takes as much memory by itself, and rays longer to find
 /// it.
-pub(crate) const LEAST_SHARED: usize = 16;
+pub const LEAST_SHARED: usize = 16;
 
 /// Which instances share the triangles of their mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

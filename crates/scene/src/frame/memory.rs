@@ -12,7 +12,7 @@ use crate::{
 
 /// The size of frames that share triangles as they do by default.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct FrameSize {
+pub struct FrameSize {
     /// Triangles with a number: those of all instances.
     pub triangles: u64,
     /// Triangles that are stored.
@@ -22,7 +22,9 @@ pub(crate) struct FrameSize {
 }
 
 impl FrameSize {
-    pub(crate) fn of(parts: &SceneParts) -> Self {
+    /// The size of frames of these parts.
+    #[must_use]
+    pub fn of(parts: &SceneParts) -> Self {
         let (node_moves, changing) = (moving_nodes(parts), Changing::of(parts));
         let is_shared = Sharing::default().choose(parts, |index| changing.has(parts, index));
         let mut are_stored = vec![false; parts.meshes.len()];
