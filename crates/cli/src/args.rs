@@ -15,7 +15,7 @@ use sheer_core::{
     text::MemorySize,
 };
 use sheer_gpu::{AdapterChoice, GpuPathChoice};
-use sheer_image::{ToneCurve, read_whole, unit_from_u8};
+use sheer_image::{Region, ToneCurve, read_whole, unit_from_u8};
 use sheer_lab::Reference;
 use sheer_render::{Antialiasing, Backend, Background, Method, Shadow, backend::Cpu};
 use sheer_scene::{
@@ -51,6 +51,8 @@ pub(crate) enum Command {
     Inspect(InspectArguments),
     /// Render a picture or a sequence of frames.
     Render(RenderArguments),
+    /// Put crops and sample ranges of a picture together again.
+    Merge(MergeArguments),
     /// Compare methods with the exact answer: a table, a page and figures for programs.
     Compare(CompareArguments),
     /// Hold pictures from anywhere against a reference: SSIM, PSNR, FLIP, RMS, bias.
@@ -127,6 +129,22 @@ pub(crate) struct RenderArguments {
     /// the frame's moment; 0.5 is usual for film.
     #[arg(long, value_name = "X", default_value_t = 0.0, value_parser = shutter, requires = "samples")]
     pub(crate) shutter: f32,
+    /// A part of the picture alone, in pixels of --size from the upper left corner: the same pixels as in the
+    /// whole picture, to the bit under -a none, -a accumulate and --samples; on the CPU. An .exr file knows
+    /// where it lies, `sheer merge` puts such files together.
+    ///
+    /// Under taa and layered it is so while nothing moves; what moves brings in what has not been rendered
+    /// (docs/farm.md says what is left of it).
+    #[arg(long, value_name = "X,Y,W,H")]
+    pub(crate) crop: Option<Region>,
+    /// Pixels around --crop that are rendered for the histories of taa and layered and not written [default:
+    /// what they look at].
+    #[arg(long, value_name = "N", requires = "crop")]
+    pub(crate) margin: Option<u32>,
+    /// Some of the samples of -a accumulate (of which there are as many as --frames) or of --samples alone:
+    /// 16..32 are those from 16 up to 31. `sheer merge` puts the .exr files together.
+    #[arg(long, value_name = "A..B", conflicts_with = "raw")]
+    pub(crate) sample_range: Option<SampleSpan>,
     /// Leave out frames of a sequence whose files are there.
     #[arg(long)]
     pub(crate) skip_existing: bool,
@@ -140,6 +158,26 @@ pub(crate) struct RenderArguments {
     pub(crate) light: LightArguments,
     #[command(flatten)]
     pub(crate) backend: BackendArguments,
+    #[command(flatten)]
+    pub(crate) machine: MachineArguments,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct MergeArguments {
+    /// The pieces of one picture, .exr files of `sheer render --crop X,Y,W,H` or `--sample-range A..B`, or of
+    /// both, in any order: crops must cover the picture, sample ranges make up all samples.
+    #[arg(value_name = "PIECE", required = true)]
+    pub(crate) pieces: Vec<PathBuf>,
+    /// .exr or .png, as for `sheer render`: the picture that it would have rendered whole, crops to the bit,
+    /// sample ranges to the rounding of means.
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) output: PathBuf,
+    /// Tone curve of a .png, as for `sheer render`.
+    #[arg(long, value_name = "CURVE", default_value = ToneCurve::default().word(), value_parser = tone_curve)]
+    pub(crate) tone: ToneCurve,
+    /// Stops by which the light of the scene is made brighter before the tone curve.
+    #[arg(long, value_name = "EV", default_value_t = 0.0, value_parser = exposure, allow_negative_numbers = true)]
+    pub(crate) exposure: f32,
     #[command(flatten)]
     pub(crate) machine: MachineArguments,
 }
@@ -589,15 +627,10 @@ impl FromStr for FrameSpan {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let span = match text.split_once("..") {
-            None => text.parse().ok().map(Self::Count),
-            Some((first, end)) => first.parse().ok().and_then(|first| {
-                let end: u32 = match end.strip_prefix('=') {
-                    Some(last) => last.parse::<u32>().ok()?.checked_add(1)?,
-                    None => end.parse().ok()?,
-                };
-                Some(Self::From(first, end.checked_sub(first)?))
-            }),
+        let span = if text.contains("..") {
+            first_and_end(text).map(|(first, end)| Self::From(first, end - first))
+        } else {
+            text.parse().ok().map(Self::Count)
         };
         let is_sound = |&span: &Self| {
             let (Self::Count(count) | Self::From(_, count)) = span;
@@ -608,6 +641,36 @@ impl FromStr for FrameSpan {
             format!("give a number of frames from 1 to {MOST_FRAMES}, or a range of them as 24..48, which ends with 47")
         })
     }
+}
+
+/// Some of the samples of a mean (`--sample-range`).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct SampleSpan {
+    /// The first, counted from 0.
+    pub(crate) first: u32,
+    /// The one after the last.
+    pub(crate) end: u32,
+}
+
+impl FromStr for SampleSpan {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let span = first_and_end(text).filter(|(first, end)| first < end);
+        span.map(|(first, end)| Self { first, end })
+            .ok_or_else(|| "give a range of samples as 16..32, which ends with 31".to_owned())
+    }
+}
+
+/// Reads `24..48` or `24..=47`: the first one and the one after the last, which is no less.
+fn first_and_end(text: &str) -> Option<(u32, u32)> {
+    let (first, end) = text.split_once("..")?;
+    let end = match end.strip_prefix('=') {
+        Some(last) => last.parse::<u32>().ok()?.checked_add(1)?,
+        None => end.parse().ok()?,
+    };
+    let first = first.parse().ok()?;
+    (first <= end).then_some((first, end))
 }
 
 /// What `--backend` may be.

@@ -47,6 +47,7 @@ fn run(command: &Command) -> anyhow::Result<()> {
         Command::Devices(arguments) => command::devices::run(arguments),
         Command::Inspect(arguments) => command::inspect::run(arguments),
         Command::Render(arguments) => command::render::run(arguments),
+        Command::Merge(arguments) => command::merge::run(arguments),
         Command::Compare(arguments) => command::compare::run(arguments),
         Command::Metrics(arguments) => command::metrics::run(arguments),
         Command::Bench(arguments) => command::bench::run(arguments),

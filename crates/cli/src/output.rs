@@ -12,7 +12,8 @@ use std::{
 
 use anyhow::Context as _;
 use sheer_image::{
-    DisplayShare, FileFormat, ImageError, Metadata, Planes, Tone, check_writable, write_frame, write_whole,
+    DisplayShare, FileFormat, ImageError, Metadata, Piece, Planes, Tone, check_writable, write_frame,
+    write_whole,
 };
 
 /// The folder of outputs that were not named.
@@ -164,12 +165,13 @@ impl PictureOutput {
         &self,
         frame: u32,
         planes: &Planes,
+        piece: &Piece,
         tone: Tone,
         share: &DisplayShare,
         metadata: &Metadata,
     ) -> anyhow::Result<()> {
         let _interruptions_wait = writing();
-        Ok(write_frame(&self.path(frame), planes, tone, share, metadata)?)
+        Ok(write_frame(&self.path(frame), planes, piece, tone, share, metadata)?)
     }
 }
 

@@ -5,11 +5,11 @@ use std::{env, path::Path, sync::Arc};
 use anyhow::Context as _;
 use glam::Vec3;
 use rayon::ThreadPoolBuilder;
-use sheer_core::parameter::Choice as _;
-use sheer_image::{Metadata, TextureLimits, Tone, read_panorama};
+use sheer_core::{colour::srgb_from_linear, parameter::Choice as _};
+use sheer_image::{Metadata, TextureLimits, Tone, read_panorama, u8_from_unit};
 use sheer_lab::file_name_from;
 use sheer_load::LoadOptions;
-use sheer_render::{Antialiasing, Backend, Method, RenderError, Settings, Shadow};
+use sheer_render::{Antialiasing, Backend, Background, Method, RenderError, Settings, Shadow};
 use sheer_scene::{Camera, CameraChoice, CameraPose, Environment, Lens, Scene};
 
 use crate::{
@@ -20,7 +20,7 @@ use crate::{
     console::Console,
     failure::Misuse,
     memory,
-    report::json::Run,
+    report::{inspection::view_options, json::Run},
     version::{COMMIT, VERSION},
 };
 
@@ -66,6 +66,7 @@ impl FrameArguments {
         };
         Ok(Settings {
             size: self.size.unwrap_or(default_size).0,
+            crop: None,
             seed: self.seed,
             background: self.background,
             shadow: Shadow::default(),
@@ -111,8 +112,28 @@ impl LoadArguments {
 pub(crate) struct Opened<S> {
     /// Ready to be rendered.
     pub(crate) stage: S,
-    /// What it was made of: reports identify it by its contents, which take time to hash.
+    /// What it shows.
+    pub(crate) view: View,
+}
+
+/// What a stage was made of.
+#[derive(Debug)]
+pub(crate) struct View {
     scene: Arc<Scene>,
+    camera: Camera,
+}
+
+impl View {
+    /// What tells the scene apart by its contents; takes time.
+    pub(crate) fn scene_hash(&self) -> String {
+        format!("{:016x}", self.scene.content_hash())
+    }
+
+    /// Where the camera is at a time, as the options of `sheer render` that would put it there.
+    pub(crate) fn pose(&self, time_secs: f32) -> String {
+        let pose = self.scene.pose(&self.camera, time_secs);
+        view_options(&pose, pose.lens, 1.0)
+    }
 }
 
 impl SceneArguments {
@@ -164,7 +185,8 @@ impl SceneArguments {
         let stage = backend
             .stage(Arc::clone(&scene), &camera, machine.threads)
             .with_context(|| format!("cannot set up {}", self.text))?;
-        Ok(Opened { stage, scene })
+        let camera = scene.camera(&camera)?;
+        Ok(Opened { stage, view: View { scene, camera } })
     }
 }
 
@@ -237,10 +259,24 @@ pub(crate) fn metadata(
         .with("method", method)
         .with("aa", aa)
         .with("shadow", settings.shadow)
+        .with("background", background_text(settings.background))
+        .with("fps", settings.frames_per_sec)
         .with("seed", settings.seed)
         .with("backend", backend.name())
         .with("commit", COMMIT)
         .with("version", VERSION)
+}
+
+/// A background as it is typed.
+fn background_text(background: Background) -> String {
+    match background {
+        Background::Environment => "env".to_owned(),
+        Background::None => "none".to_owned(),
+        Background::Colour(linear) => {
+            let [r, g, b] = linear.to_array().map(|value| u8_from_unit(srgb_from_linear(value)));
+            format!("#{r:02x}{g:02x}{b:02x}")
+        }
+    }
 }
 
 /// How figures of many scenes came about.
@@ -258,8 +294,7 @@ pub(crate) fn describe<B: Backend>(
     frames: u32,
 ) -> Run {
     let threads = backend.threads(&opened.stage);
-    let hash = format!("{:016x}", opened.scene.content_hash());
-    describe_scene(backend, scene, hash, threads, settings, frames)
+    describe_scene(backend, scene, opened.view.scene_hash(), threads, settings, frames)
 }
 
 fn describe_scene(

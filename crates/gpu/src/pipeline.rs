@@ -108,7 +108,8 @@ impl GpuPipeline {
     /// Compiles what the method needs; nothing is rendered yet.
     ///
     /// # Errors
-    /// The path does not run the method or the shadows, the picture is too large, or the device refuses.
+    /// The path does not run the method or the shadows, a part of the picture is asked for, the picture is too
+    /// large, or the device refuses.
     pub fn new(
         gpu: &Arc<Gpu>,
         choice: GpuPathChoice,
@@ -116,6 +117,12 @@ impl GpuPipeline {
         antialiasing: Antialiasing,
         settings: Settings,
     ) -> Result<Self, GpuError> {
+        if let Some(crop) = settings.crop {
+            return Err(GpuError::Unsupported {
+                what: format!("a GPU renders whole pictures, not the part {crop} of one"),
+                instead: "leave out --crop, or take --backend cpu".to_owned(),
+            });
+        }
         let (path, mut notes) = choose_path(gpu, choice, &method)?;
         let has_glass = gpu.expects_glass();
         if has_glass && !path.follows_glass() {

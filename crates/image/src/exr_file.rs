@@ -5,12 +5,15 @@ use std::path::Path;
 
 use exr::image::{AnyChannel, AnyChannels, Encoding, FlatSamples, Layer};
 use exr::math::Vec2;
-use exr::meta::attribute::{AttributeValue, Text};
-use exr::meta::header::LayerAttributes;
+use exr::meta::attribute::{AttributeValue, IntegerBounds, Text};
+use exr::meta::header::{Header, ImageAttributes, LayerAttributes};
 use exr::prelude::{ReadChannels, ReadLayers, WritableImage};
 
-use crate::metadata::SOFTWARE;
-use crate::{Image, ImageError, Metadata, PixelLayers, Planes, TextureLimits, read_whole, write_whole};
+use crate::metadata::{PREFIX, SOFTWARE};
+use crate::{
+    DisplayShare, Image, ImageError, Metadata, Piece, PixelLayers, Planes, Region, TextureLimits, read_whole,
+    write_whole,
+};
 
 /// A channel of [`PixelLayers`].
 struct LayerChannel {
@@ -42,6 +45,9 @@ const LAYER_CHANNELS: [LayerChannel; 12] = [
     LayerChannel { name: "back.motion.Y", get: |of| of.back_motion[1], set: |of, to| of.back_motion[1] = to },
     LayerChannel { name: "back.depth.Z", get: |of| of.back_depth, set: |of, to| of.back_depth = to },
 ];
+
+/// The channel of a [`DisplayShare`].
+const SHARE_CHANNEL: &str = "display.share";
 
 /// What a channel has for yes and no.
 fn mask(is: bool) -> f32 {
@@ -78,9 +84,29 @@ fn mask(is: bool) -> f32 {
 /// # Errors
 /// [`ImageError::SizesDiffer`], [`ImageError::MetadataKey`] or [`ImageError::Encode`].
 pub fn encode_exr(planes: &Planes, metadata: &Metadata) -> Result<Vec<u8>, ImageError> {
+    let [width, height] = [planes.width(), planes.height()];
+    encode_exr_piece(planes, &Piece::whole([width, height]), &DisplayShare::Nothing, metadata)
+}
+
+/// The same of a piece of a picture: the display window is the picture's, the data window that of the piece.
+/// What it holds of display-referred light is the channel `display.share` (0 to 1), where there is any.
+pub(crate) fn encode_exr_piece(
+    planes: &Planes,
+    piece: &Piece,
+    share: &DisplayShare,
+    metadata: &Metadata,
+) -> Result<Vec<u8>, ImageError> {
     planes.check_sizes()?;
-    let mut attributes =
-        LayerAttributes { software_name: Some(Text::from(SOFTWARE)), ..LayerAttributes::default() };
+    let Region { left, top, width, height } = piece.region;
+    let (found, expected) = (planes.colour.size(), (width, height));
+    if found != expected {
+        return Err(ImageError::SizesDiffer { what: "frame and piece", first: found, second: expected });
+    }
+    let mut attributes = LayerAttributes {
+        software_name: Some(Text::from(SOFTWARE)),
+        layer_position: Vec2(left as i32, top as i32),
+        ..LayerAttributes::default()
+    };
     for (key, text) in metadata.stored()? {
         attributes.other.insert(Text::from(key.as_str()), AttributeValue::Text(utf8_text(text)));
     }
@@ -107,13 +133,25 @@ pub fn encode_exr(planes: &Planes, metadata: &Metadata) -> Result<Vec<u8>, Image
         let samples = |get| FlatSamples::F32(layers.as_slice().iter().map(get).collect());
         LAYER_CHANNELS.iter().map(move |&LayerChannel { name, get, .. }| (name, samples(get)))
     });
-    let channels = channels.into_iter().chain(layers).map(|(name, samples)| AnyChannel::new(name, samples));
+    let shares = match share {
+        DisplayShare::Nothing => None,
+        DisplayShare::Everything => Some(vec![1.0; planes.colour.as_slice().len()]),
+        DisplayShare::PerPixel(shares) if shares.size() == found => Some(shares.as_slice().to_vec()),
+        DisplayShare::PerPixel(shares) => {
+            let what = "frame and display share";
+            return Err(ImageError::SizesDiffer { what, first: found, second: shares.size() });
+        }
+    };
+    let shares = shares.map(|shares| (SHARE_CHANNEL, FlatSamples::F32(shares)));
+    let channels = channels.into_iter().chain(layers).chain(shares);
+    let channels = channels.map(|(name, samples)| AnyChannel::new(name, samples));
 
-    let size = Vec2(planes.width() as usize, planes.height() as usize);
+    let size = Vec2(width as usize, height as usize);
     let layer = Layer::new(size, attributes, Encoding::SMALL_LOSSLESS, AnyChannels::sort(channels.collect()));
     let failed = |reason: String| ImageError::Encode { format: "EXR", reason };
+    let display = IntegerBounds::from_dimensions(Vec2(piece.picture[0] as usize, piece.picture[1] as usize));
     let mut bytes = Vec::new();
-    exr::image::Image::from_layer(layer)
+    exr::image::Image::new(ImageAttributes::new(display), layer)
         .write()
         .to_buffered(Cursor::new(&mut bytes))
         .map_err(|error| failed(error.to_string()))?;
@@ -176,12 +214,60 @@ pub fn read_exr(path: &Path) -> Result<Planes, ImageError> {
 /// # Errors
 /// [`ImageError::TooLarge`] or [`ImageError::Decode`], as [`read_exr`].
 pub fn decode_exr(bytes: &[u8], name: &str) -> Result<Planes, ImageError> {
+    Ok(decode_exr_piece(bytes, name, TextureLimits::default())?.0)
+}
+
+/// What the header of a file with a single part says: which rectangle of which picture it holds, if it lies
+/// within that, and how it was made.
+///
+/// # Errors
+/// What is wrong with the file.
+pub(crate) fn decode_exr_header(bytes: &[u8]) -> Result<(Option<([u32; 2], Region)>, Metadata), String> {
+    let meta = exr::meta::MetaData::read_from_buffered(Cursor::new(bytes), false)
+        .map_err(|error| format!("it does not read as OpenEXR ({error})"))?;
+    let [header] = meta.headers.as_slice() else {
+        return Err(format!("it has {} parts in place of one", meta.headers.len()));
+    };
+    let mut metadata = Metadata::default();
+    let mut stored: Vec<_> = header.own_attributes.other.iter().collect();
+    stored.sort_by_key(|(key, _)| key.to_string());
+    for (key, value) in stored {
+        if let (Some(key), AttributeValue::Text(text)) = (key.to_string().strip_prefix(PREFIX), value) {
+            let text: Vec<u8> = text.as_slice().to_vec();
+            metadata = metadata.with(key, String::from_utf8_lossy(&text));
+        }
+    }
+    Ok((place_of(header), metadata))
+}
+
+/// Width and height of the picture, and which of its pixels a part holds.
+fn place_of(header: &Header) -> Option<([u32; 2], Region)> {
+    let IntegerBounds { position: origin, size: display } = header.shared_attributes.display_window;
+    let position = header.own_attributes.layer_position;
+    let side = |pixels: usize| u32::try_from(pixels).ok();
+    let from = |at: i32, origin: i32| u32::try_from(i64::from(at) - i64::from(origin)).ok();
+    let picture = [side(display.0)?, side(display.1)?];
+    let region = Region {
+        left: from(position.0, origin.0)?,
+        top: from(position.1, origin.1)?,
+        width: side(header.layer_size.0)?,
+        height: side(header.layer_size.1)?,
+    };
+    region.is_within(picture).then_some((picture, region))
+}
+
+/// Reads what [`encode_exr_piece`] makes: the frame and its share of display-referred light.
+pub(crate) fn decode_exr_piece(
+    bytes: &[u8],
+    name: &str,
+    limits: TextureLimits,
+) -> Result<(Planes, DisplayShare), ImageError> {
     let failed = |reason: String| ImageError::Decode {
         what: name.to_owned(),
         reason,
         formats: "OpenEXR with R, G and B",
     };
-    check_claimed_size(bytes, name, TextureLimits::default())?;
+    check_claimed_size(bytes, name, limits)?;
 
     let layer = exr::image::read::read()
         .no_deep_data()
@@ -234,7 +320,13 @@ pub fn decode_exr(bytes: &[u8], name: &str) -> Result<Planes, ImageError> {
             None => {}
         }
     }
-    Ok(planes)
+    let mut share = DisplayShare::Nothing;
+    if let Some(channel) = find(SHARE_CHANNEL) {
+        let mut shares = Image::filled(width, height, 0.0)?;
+        fill(&mut shares, channel, |share, value| *share = value);
+        share = DisplayShare::PerPixel(shares);
+    }
+    Ok((planes, share))
 }
 
 /// Sets something of each pixel to the values of a channel.
@@ -302,7 +394,7 @@ mod tests {
         Planes { layers: Some(layers), ..frame() }
     }
 
-    fn header_of(bytes: &[u8]) -> exr::meta::header::Header {
+    fn header_of(bytes: &[u8]) -> Header {
         let meta = exr::meta::MetaData::read_from_buffered(Cursor::new(bytes), true).unwrap();
         assert_eq!(meta.headers.len(), 1, "one part");
         meta.headers[0].clone()

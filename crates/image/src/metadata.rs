@@ -20,6 +20,19 @@ impl Metadata {
         self
     }
 
+    /// The same without one of its texts, if it is there.
+    #[must_use]
+    pub fn without(mut self, key: &str) -> Self {
+        self.entries.retain(|(known, _)| known != key);
+        self
+    }
+
+    /// The text of a key.
+    #[must_use]
+    pub fn get(&self, key: &str) -> Option<&str> {
+        self.entries().find_map(|(known, text)| (known == key).then_some(text))
+    }
+
     /// Keys, without the prefix, and texts.
     pub fn entries(&self) -> impl Iterator<Item = (&str, &str)> {
         self.entries.iter().map(|(key, text)| (key.as_str(), text.as_str()))
@@ -40,7 +53,7 @@ impl Metadata {
                     && key.chars().all(plain)
                     && !text.contains('\0');
                 if storable {
-                    Ok((format!("sheer.{key}"), text))
+                    Ok((format!("{PREFIX}{key}"), text))
                 } else {
                     Err(ImageError::MetadataKey { key: key.to_owned() })
                 }
@@ -48,6 +61,9 @@ impl Metadata {
             .collect()
     }
 }
+
+/// What stands before the keys in files.
+pub(crate) const PREFIX: &str = "sheer.";
 
 /// The program and version that files name as their origin.
 pub(crate) const SOFTWARE: &str = concat!("Sheer ", env!("CARGO_PKG_VERSION"));
@@ -68,5 +84,7 @@ mod tests {
     fn a_key_given_twice_keeps_its_place_and_takes_the_new_text() {
         let metadata = Metadata::default().with("seed", 1).with("scene", "pane").with("seed", 2);
         assert_eq!(metadata.entries().collect::<Vec<_>>(), [("seed", "2"), ("scene", "pane")]);
+        assert_eq!((metadata.get("scene"), metadata.get("method")), (Some("pane"), None));
+        assert_eq!(metadata.without("seed"), Metadata::default().with("scene", "pane"));
     }
 }

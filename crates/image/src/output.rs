@@ -4,12 +4,13 @@ use std::path::Path;
 
 use crate::{
     error::ImageError,
-    exr_file::write_exr,
+    exr_file::encode_exr_piece,
     metadata::Metadata,
+    piece::Piece,
     planes::Planes,
     png_file::write_png,
     tone::{DisplayShare, Tone},
-    whole_file::temporary_beside,
+    whole_file::{temporary_beside, write_whole},
 };
 
 /// A pixel file format Sheer writes, chosen by the ending of the file name.
@@ -50,21 +51,29 @@ pub fn check_writable(path: &Path) -> Result<FileFormat, ImageError> {
     Ok(format)
 }
 
-/// Writes a frame in the format that the ending of `path` asks for. Tone and
-/// share apply to PNG only: EXR keeps linear light as it is.
+/// Writes a piece of a picture, or the whole of it, in the format that the ending of `path` asks for. Its
+/// place in the picture goes into the metadata as `size`, `crop` and `sample_range` (see [`Piece`]).
+///
+/// A PNG file has what is displayed. EXR keeps linear light as it is, and with a piece how much of it is
+/// display-referred, so that [`merge`](crate::merge) can make a PNG of it.
 ///
 /// # Errors
-/// Those of [`write_png`] and [`write_exr`], and [`ImageError::UnknownExtension`].
+/// Those of [`write_png`] and [`write_exr`](crate::write_exr), and [`ImageError::UnknownExtension`].
 pub fn write_frame(
     path: &Path,
     planes: &Planes,
+    piece: &Piece,
     tone: Tone,
     share: &DisplayShare,
     metadata: &Metadata,
 ) -> Result<(), ImageError> {
+    let metadata = piece.described(metadata.clone());
     match FileFormat::from_path(path)? {
-        FileFormat::Png => write_png(path, &planes.colour, tone, share, metadata),
-        FileFormat::Exr => write_exr(path, planes, metadata),
+        FileFormat::Png => write_png(path, &planes.colour, tone, share, &metadata),
+        FileFormat::Exr => {
+            let share = if piece.is_whole() { &DisplayShare::Nothing } else { share };
+            write_whole(path, &encode_exr_piece(planes, piece, share, &metadata)?)
+        }
     }
 }
 

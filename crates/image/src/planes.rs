@@ -4,7 +4,7 @@ use std::iter;
 
 use rayon::prelude::*;
 
-use crate::{Image, ImageError};
+use crate::{Image, ImageError, Region};
 
 /// Everything a renderer knows about one pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -239,6 +239,41 @@ impl Planes {
                     }
                 },
             )
+    }
+
+    /// A part of the frame.
+    ///
+    /// # Errors
+    /// [`ImageError::Size`] if memory does not suffice.
+    ///
+    /// # Panics
+    /// If the region reaches beyond the frame.
+    pub fn cut(&self, region: Region) -> Result<Self, ImageError> {
+        Ok(Self {
+            colour: self.colour.cut(region)?,
+            depth: self.depth.cut(region)?,
+            motion: self.motion.cut(region)?,
+            instance: self.instance.cut(region)?,
+            primitive: self.primitive.cut(region)?,
+            transparent: self.transparent.cut(region)?,
+            layers: self.layers.as_ref().map(|layers| layers.cut(region)).transpose()?,
+        })
+    }
+
+    /// Puts another frame into a part of its size; its layers where both have them.
+    ///
+    /// # Panics
+    /// If the region reaches beyond the frame, or the other frame has another size.
+    pub fn paste(&mut self, region: Region, part: &Self) {
+        self.colour.paste(region, &part.colour);
+        self.depth.paste(region, &part.depth);
+        self.motion.paste(region, &part.motion);
+        self.instance.paste(region, &part.instance);
+        self.primitive.paste(region, &part.primitive);
+        self.transparent.paste(region, &part.transparent);
+        if let (Some(layers), Some(part)) = (&mut self.layers, &part.layers) {
+            layers.paste(region, part);
+        }
     }
 
     /// Checks that no plane was replaced by one of another size.

@@ -4,7 +4,7 @@ use std::ops::{Index, IndexMut};
 
 use rayon::prelude::*;
 
-use crate::ImageError;
+use crate::{ImageError, Region};
 
 /// A rectangle of at least one pixel, stored row by row with the top row first.
 ///
@@ -140,6 +140,34 @@ impl<T: Clone> Image<T> {
         data.resize(pixel_count::<T>(width, height)?, value);
         Ok(Self { width, height, data })
     }
+
+    /// A part of the image.
+    ///
+    /// # Errors
+    /// [`ImageError::Size`] if memory does not suffice.
+    ///
+    /// # Panics
+    /// If the region reaches beyond the image.
+    pub fn cut(&self, region: Region) -> Result<Self, ImageError> {
+        let mut data = reserve(region.width, region.height)?;
+        for y in region.top..region.bottom() {
+            let (start, last) = (self.offset(region.left, y), self.offset(region.right() - 1, y));
+            data.extend_from_slice(&self.data[start..=last]);
+        }
+        Ok(Self { width: region.width, height: region.height, data })
+    }
+
+    /// Puts another image into a part of its size.
+    ///
+    /// # Panics
+    /// If the region reaches beyond the image, or the other image has another size.
+    pub fn paste(&mut self, region: Region, part: &Self) {
+        assert_eq!([part.width, part.height], region.size(), "a part is as large as its region");
+        for (y, row) in (region.top..).zip(part.rows()) {
+            let (start, last) = (self.offset(region.left, y), self.offset(region.right() - 1, y));
+            self.data[start..=last].clone_from_slice(row);
+        }
+    }
 }
 
 impl<T: Send> Image<T> {
@@ -245,6 +273,20 @@ mod tests {
     fn indexing_past_a_row_does_not_wrap_into_the_next() {
         let image = Image::filled(3, 2, 0_u8).unwrap();
         let _ = image[(3, 0)];
+    }
+
+    #[test]
+    fn what_is_cut_out_and_pasted_back_is_as_it_was() {
+        let image = Image::from_fn(5, 4, |x, y| 10 * y + x).unwrap();
+        let region = Region { left: 2, top: 1, width: 3, height: 2 };
+        let part = image.cut(region).unwrap();
+        assert_eq!((part.size(), part.as_slice()), ((3, 2), &[12, 13, 14, 22, 23, 24][..]));
+        let mut other = image.map(|_| 99);
+        other.paste(region, &part);
+        let expected =
+            Image::from_fn(5, 4, |x, y| if x >= 2 && (y == 1 || y == 2) { 10 * y + x } else { 99 });
+        assert_eq!(other, expected.unwrap());
+        assert_eq!(image.cut(Region::whole([5, 4])).unwrap(), image);
     }
 
     #[test]

@@ -1,5 +1,8 @@
 //! Frames of final quality: each is the mean of samples of its own interval of time.
 
+use std::ops::Range;
+
+use sheer_image::SampleRange;
 use sheer_render::{Antialiasing, Backend, Clock, Counters, Moment, Settings, Timings};
 
 use crate::{LabError, Result};
@@ -13,6 +16,8 @@ pub struct Exposure {
     /// Share of the time from a frame to the next that the shutter is open, around the frame's moment: 0
     /// shows one moment, 0.5 is usual for film.
     pub shutter: f32,
+    /// Which of the samples are rendered, all if none: a frame is the mean of these.
+    pub part: Option<SampleRange>,
 }
 
 impl Exposure {
@@ -39,13 +44,19 @@ impl Exposure {
     ) -> Result<()> {
         let failed = |error| LabError::of_backend(backend, error);
         backend.reset_history(pipeline);
-        for sample in 0..self.samples {
+        for sample in self.rendered() {
             backend.advance(stage, self.moment(run, frame, sample)).map_err(failed)?;
             // Another place in the patterns of thresholds for every sample of every frame.
             let index = frame.wrapping_mul(self.samples).wrapping_add(sample);
             watch(backend.render(pipeline, stage, index).map_err(failed)?)?;
         }
         Ok(())
+    }
+
+    /// The samples of a frame that are rendered.
+    #[must_use]
+    pub fn rendered(&self) -> Range<u32> {
+        self.part.map_or(0..self.samples, |part| part.first..part.end)
     }
 
     /// When a sample of a frame is taken; motion is that from frame to frame.
@@ -83,7 +94,7 @@ mod tests {
 
     #[test]
     fn samples_are_spread_around_the_moment_of_their_frame() {
-        let exposure = Exposure { samples: 4, shutter: 0.5 };
+        let exposure = Exposure { samples: 4, shutter: 0.5, part: None };
         let times = [0, 1, 2, 3].map(|sample| exposure.moment(&run(), 3, sample).time_secs);
         let expected = [6.28125, 6.29375, 6.30625, 6.31875];
         assert!(times.iter().zip(expected).all(|(time, wanted)| (time - wanted).abs() < 1e-5), "{times:?}");
@@ -95,7 +106,7 @@ mod tests {
 
     #[test]
     fn a_frame_owes_nothing_to_those_before_it() {
-        let exposure = Exposure { samples: 3, shutter: 0.5 };
+        let exposure = Exposure { samples: 3, shutter: 0.5, part: None };
         let both = exposed(exposure, &[2, 5]);
         let alone = exposed(exposure, &[5]);
         assert_eq!(both[1], alone[0]);
@@ -103,9 +114,24 @@ mod tests {
     }
 
     #[test]
+    fn the_parts_of_a_frame_are_its_own_samples() {
+        let whole = Exposure { samples: 5, shutter: 1.0, part: None };
+        let part = |first, end| Exposure { part: Some(SampleRange { first, end, of: 5 }), ..whole };
+        let [all, early, late] =
+            [whole, part(0, 2), part(2, 5)].map(|exposure| exposed(exposure, &[4]).concat());
+        assert_ne!(early, late);
+        for ((all, early), late) in all.iter().zip(&early).zip(&late) {
+            for channel in 0..4 {
+                let mean = (2.0 * early[channel] + 3.0 * late[channel]) / 5.0;
+                assert!((all[channel] - mean).abs() < 1e-5 * mean.max(1.0), "{all:?} {early:?} {late:?}");
+            }
+        }
+    }
+
+    #[test]
     fn an_open_shutter_blurs_what_moves() {
-        let shut = exposed(Exposure { samples: 8, shutter: 0.0 }, &[4]);
-        let open = exposed(Exposure { samples: 8, shutter: 1.0 }, &[4]);
+        let shut = exposed(Exposure { samples: 8, shutter: 0.0, part: None }, &[4]);
+        let open = exposed(Exposure { samples: 8, shutter: 1.0, part: None }, &[4]);
         assert_ne!(shut, open);
     }
 }

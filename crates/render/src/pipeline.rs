@@ -42,7 +42,7 @@ impl<M: Transparency> Pipeline<M> {
     /// [`RenderError::Image`] if the size is zero or too much for the memory.
     pub fn with_own(method: M, antialiasing: Antialiasing, settings: Settings) -> Result<Self, RenderError> {
         let (added_up, _) = temporal::of_run(&settings, antialiasing);
-        let history = History::new(added_up, settings.size)?;
+        let history = History::new(added_up, settings.region().size())?;
         Ok(Self { method, antialiasing, settings, history, steps: Vec::new() })
     }
 

@@ -1,7 +1,7 @@
 //! What frames are rendered with, beside scene and method.
 
 use glam::{Vec2, Vec3};
-use sheer_image::Tone;
+use sheer_image::{Region, Tone};
 
 use crate::shadow::Shadow;
 
@@ -20,8 +20,12 @@ pub enum Background {
 /// What all frames of a run have in common.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
-    /// Width and height, pixels.
+    /// Width and height of the picture, pixels.
     pub size: [u32; 2],
+    /// The part of the picture that is rendered, all of it if none; within [`Self::size`]. Frames have its
+    /// size. Pixels show what they show in the whole picture: without a history to the bit. What a history
+    /// looks at beyond the edge is missing, see [`crate::temporal::margin_px`].
+    pub crop: Option<Region>,
     /// Seed of the dithering.
     pub seed: u32,
     /// What lies behind everything.
@@ -45,6 +49,7 @@ impl Default for Settings {
     fn default() -> Self {
         Self {
             size: [960, 540],
+            crop: None,
             seed: 0,
             background: Background::Environment,
             shadow: Shadow::default(),
@@ -54,6 +59,14 @@ impl Default for Settings {
             raw: false,
             tone: Tone::default(),
         }
+    }
+}
+
+impl Settings {
+    /// The pixels that are rendered.
+    #[must_use]
+    pub fn region(&self) -> Region {
+        self.crop.unwrap_or(Region::whole(self.size))
     }
 }
 

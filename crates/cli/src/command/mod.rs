@@ -6,6 +6,7 @@ pub(crate) mod compare;
 pub(crate) mod devices;
 pub(crate) mod experiments;
 pub(crate) mod inspect;
+pub(crate) mod merge;
 pub(crate) mod methods;
 pub(crate) mod metrics;
 pub(crate) mod render;

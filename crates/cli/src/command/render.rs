@@ -1,6 +1,7 @@
 //! `sheer render`: a picture or a sequence of frames.
 
 use std::{
+    borrow::Cow,
     ops::Range,
     path::{Path, PathBuf},
     slice,
@@ -8,17 +9,21 @@ use std::{
 
 use anyhow::bail;
 use sheer_core::parameter::Choice as _;
-use sheer_image::{DisplayShare, FileFormat, Metadata};
+use sheer_image::{DisplayShare, FileFormat, Metadata, Piece, Region, SampleRange};
 use sheer_lab::{Event, Exposure, LabError, Progress as _, Tally, Timeline, play};
-use sheer_render::{Antialiasing, Backend, Settings, temporal::jitter};
+use sheer_render::{
+    Antialiasing, Backend, Clock, Settings,
+    temporal::{jitter, margin_px},
+};
 
 use crate::{
-    args::{DEFAULT_SIZE, RenderArguments},
+    args::{DEFAULT_SIZE, RenderArguments, SampleSpan},
     backend::Task,
     console::{Bar, Console},
+    failure::Misuse,
     output::{self, PictureOutput},
     schedule::{Memory, Stretch, stretches},
-    setup,
+    setup::{self, Opened, View},
 };
 
 pub(crate) fn run(arguments: &RenderArguments) -> anyhow::Result<()> {
@@ -33,7 +38,12 @@ impl Task for RenderArguments {
 
 /// What is to be rendered, settled before the first frame.
 struct Plan {
+    /// The crop with what is rendered around it.
     settings: Settings,
+    /// What is written of the picture.
+    piece: Piece,
+    /// How much is rendered around a crop, pixels.
+    margin: u32,
     antialiasing: Antialiasing,
     /// Where each frame is rendered for itself, of many samples.
     exposure: Option<Exposure>,
@@ -47,7 +57,7 @@ struct Plan {
 fn render<B: Backend>(arguments: &RenderArguments, backend: &B) -> anyhow::Result<()> {
     let console = arguments.machine.apply()?;
     let plan = Plan::of(arguments)?;
-    let Plan { settings, antialiasing, ref output, .. } = plan;
+    let Plan { settings, piece, antialiasing, ref output, .. } = plan;
     let stretches = plan.stretches(arguments.skip_existing);
     let written: usize = stretches.iter().map(|stretch| stretch.written.len()).sum();
     if written == 0 {
@@ -56,12 +66,14 @@ fn render<B: Backend>(arguments: &RenderArguments, backend: &B) -> anyhow::Resul
     }
     plan.warn_of_cold_start(&stretches, console);
 
-    let mut stage = arguments.scene.open(backend, settings.size, arguments.machine, console)?.stage;
+    let opened = arguments.scene.open(backend, settings.size, arguments.machine, console)?;
+    let Opened { mut stage, view } = opened;
     let metadata = setup::metadata(backend, &arguments.scene, &arguments.method, antialiasing, &settings);
     let mut frames = Frames {
         backend,
         plan: &plan,
-        metadata: plan.metadata(metadata),
+        metadata: plan.metadata(metadata, &view),
+        view,
         tally: Tally::default(),
         bar: console.bar(),
     };
@@ -71,7 +83,7 @@ fn render<B: Backend>(arguments: &RenderArguments, backend: &B) -> anyhow::Resul
             Some(exposure) => exposure.settings(settings),
             None => Settings { first_frame: stretch.rendered.start, ..settings },
         };
-        let mut pipeline = backend.pipeline(&arguments.method, antialiasing, settings)?;
+        let mut pipeline = backend.pipeline(&arguments.method, antialiasing, plan.from_sample(settings))?;
         if at == 0 {
             backend.notes(&pipeline).iter().for_each(|note| console.warn(note));
         }
@@ -82,15 +94,20 @@ fn render<B: Backend>(arguments: &RenderArguments, backend: &B) -> anyhow::Resul
     }
     let Frames { tally, bar, .. } = frames;
     drop(bar);
-    if tally.shaded() == 0.0 {
+    // A part of a picture may well be empty.
+    if tally.shaded() == 0.0 && arguments.crop.is_none() {
         console.warn(format_args!(
             "{}: nothing is in the picture; look from elsewhere (--camera static, orbit or one of the file's, --eye) or at another --time, `sheer inspect` tells what there is and where",
             arguments.scene.text,
         ));
     }
 
-    let [width, height] = settings.size;
-    let pixels = f64::from(width) * f64::from(height);
+    let pixels = settings.region().pixel_count() as f64;
+    let [width, height] = piece.picture;
+    let shape = match arguments.crop {
+        Some(Region { width: columns, height: rows, .. }) => format!("{columns}x{rows} of {width}x{height}"),
+        None => format!("{width}x{height}"),
+    };
     let count = match output {
         PictureOutput::Single(_) => plan.frames.len(),
         PictureOutput::Sequence { .. } => written,
@@ -100,7 +117,7 @@ fn render<B: Backend>(arguments: &RenderArguments, backend: &B) -> anyhow::Resul
         None => (antialiasing.to_string(), "frame"),
     };
     console.note(format_args!(
-        "wrote {}: {width}x{height}, {}, {what}, {count} frame{}; {:.1} ms per {of}, {:.2} shaded and {:.2} hits per pixel",
+        "wrote {}: {shape}, {}, {what}, {count} frame{}; {:.1} ms per {of}, {:.2} shaded and {:.2} hits per pixel",
         plan.path.display(),
         arguments.method,
         if count == 1 { "" } else { "s" },
@@ -117,7 +134,7 @@ impl Plan {
         let settings = arguments.light.under(arguments.frames.settings(DEFAULT_SIZE)?);
         let settings = Settings { raw: arguments.raw, ..settings };
         let shutter = arguments.shutter;
-        let exposure = arguments.samples.map(|samples| Exposure { samples, shutter });
+        let exposure = arguments.samples.map(|samples| Exposure { samples, shutter, part: None });
         let antialiasing = if exposure.is_some() { Antialiasing::ACCUMULATE } else { arguments.antialiasing };
 
         let path = output_path(arguments)?;
@@ -139,7 +156,45 @@ impl Plan {
         } else {
             Memory::Frames(arguments.warm_up.unwrap_or(antialiasing.info().warm_up_frames))
         };
-        Ok(Self { settings, antialiasing, exposure, path, output, format, frames, memory })
+        let of = match exposure {
+            Some(Exposure { samples, .. }) => Some(samples),
+            None => (antialiasing == Antialiasing::ACCUMULATE && !is_sequence).then_some(count),
+        };
+        let samples = arguments.sample_range.map(|span| sample_range(span, of)).transpose()?;
+        let exposure = exposure.map(|exposure| Exposure { part: samples, ..exposure });
+
+        // A picture that is not added up needs nothing around it.
+        let picture = settings.size;
+        let most = if is_added_up { margin_px(antialiasing) } else { 0 };
+        let margin = if most > 0 { arguments.margin.unwrap_or(most) } else { 0 };
+        if let Some(crop) = arguments.crop.filter(|crop| !crop.is_within(picture)) {
+            let [width, height] = picture;
+            let problem = format!("--crop {crop} reaches beyond the picture of {width}x{height} pixels");
+            return Err(Misuse(problem).into());
+        }
+        let crop = arguments.crop.map(|crop| crop.grown(margin, picture));
+        let region = arguments.crop.unwrap_or(Region::whole(picture));
+        let piece = Piece { picture, region, samples };
+        let settings = Settings { crop, ..settings };
+        Ok(Self { settings, piece, margin, antialiasing, exposure, path, output, format, frames, memory })
+    }
+
+    /// The settings of a pipeline that begins with the first sample that is asked for; an exposure counts
+    /// them itself.
+    fn from_sample(&self, settings: Settings) -> Settings {
+        match (self.exposure, self.piece.samples) {
+            (None, Some(SampleRange { first, .. })) => {
+                Settings { first_frame: settings.first_frame + first, ..settings }
+            }
+            _ => settings,
+        }
+    }
+
+    /// Time of what a frame shows, seconds.
+    fn time_secs(&self, frame: u32) -> f32 {
+        let stands = self.exposure.is_none() && self.antialiasing.info().time_stands_still;
+        let first_frame = if stands { self.frames.start } else { frame };
+        Clock::new(&Settings { first_frame, ..self.settings }, Antialiasing::NONE).at(0).time_secs
     }
 
     /// The frames that are rendered and which of them are written.
@@ -165,15 +220,47 @@ impl Plan {
         }
     }
 
-    fn metadata(&self, metadata: Metadata) -> Metadata {
+    /// What all frames have in common.
+    fn metadata(&self, metadata: Metadata, view: &View) -> Metadata {
         let tone = self.settings.tone;
         let metadata = match self.format {
             FileFormat::Png => metadata.with("tone", tone.curve.word()).with("exposure_ev", tone.exposure_ev),
-            FileFormat::Exr => metadata,
+            FileFormat::Exr => metadata.with("scene_hash", view.scene_hash()),
+        };
+        let metadata = if self.margin > 0 && self.settings.crop.is_some() {
+            metadata.with("margin", self.margin)
+        } else {
+            metadata
         };
         match self.exposure {
-            Some(Exposure { samples, shutter }) => metadata.with("samples", samples).with("shutter", shutter),
+            Some(Exposure { samples, shutter, .. }) => {
+                metadata.with("samples", samples).with("shutter", shutter)
+            }
             None => metadata,
+        }
+    }
+
+    /// What a frame has of its own: `rendered` are those that have been rendered one after the other up to
+    /// it.
+    fn frame_metadata(&self, metadata: Metadata, rendered: Range<u32>, view: &View) -> Metadata {
+        let (frame, count) = (rendered.end - 1, rendered.len() as u32);
+        let time_secs = self.time_secs(frame);
+        let metadata = metadata.with("frame", frame).with("time_secs", time_secs);
+        let metadata = metadata.with("pose", view.pose(time_secs));
+        let info = self.antialiasing.info();
+        if self.settings.raw {
+            let offset = jitter(self.antialiasing, frame);
+            return metadata.with("jitter.X", offset.x).with("jitter.Y", offset.y);
+        }
+        if self.exposure.is_some() || self.antialiasing == Antialiasing::NONE {
+            metadata
+        } else if info.time_stands_still {
+            metadata.with("samples", count)
+        } else if count > info.warm_up_frames {
+            // More frames do not show.
+            metadata.with("history", format_args!("{} frames or more", info.warm_up_frames + 1))
+        } else {
+            metadata.with("history", format_args!("{count} frames"))
         }
     }
 }
@@ -183,6 +270,7 @@ struct Frames<'p, B> {
     backend: &'p B,
     plan: &'p Plan,
     metadata: Metadata,
+    view: View,
     tally: Tally,
     bar: Bar,
 }
@@ -196,14 +284,16 @@ impl<B: Backend> Frames<'_, B> {
         settings: &Settings,
         stretch: &Stretch,
     ) -> sheer_lab::Result<()> {
-        let count = stretch.rendered.len() as u32;
+        let count = self.plan.piece.samples.map_or(stretch.rendered.len() as u32, |part| part.count());
+        // Of a part of the samples, the last one stands for the frame.
+        let first = stretch.rendered.end - count;
         self.bar.expect(u64::from(count));
         let timeline = Timeline::of(settings, self.plan.antialiasing, count);
         play(self.backend, stage, slice::from_mut(pipeline), timeline, |event| {
             match event {
                 Event::Rendered { cost, .. } => self.tally.add(cost),
                 Event::Frame { index, pipelines, stage } => {
-                    self.write(stretch, stretch.rendered.start + index, &pipelines[0], stage)?;
+                    self.write(stretch, first + index, &pipelines[0], stage)?;
                     self.bar.step();
                 }
             }
@@ -219,7 +309,7 @@ impl<B: Backend> Frames<'_, B> {
         exposure: Exposure,
         stretch: &Stretch,
     ) -> sheer_lab::Result<()> {
-        self.bar.expect(stretch.rendered.len() as u64 * u64::from(exposure.samples));
+        self.bar.expect((stretch.rendered.len() * exposure.rendered().len()) as u64);
         for frame in stretch.rendered.clone() {
             let (tally, bar) = (&mut self.tally, &self.bar);
             exposure.render(self.backend, stage, pipeline, &self.plan.settings, frame, |cost| {
@@ -245,20 +335,35 @@ impl<B: Backend> Frames<'_, B> {
             return Ok(());
         }
         let failed = |error| LabError::of_backend(backend, error);
-        let planes = backend.planes(pipeline).map_err(failed)?;
-        let Plan { settings, antialiasing, .. } = plan;
-        let share = match plan.format {
-            FileFormat::Png => backend.display_share(stage, settings, *antialiasing).map_err(failed)?,
-            FileFormat::Exr => DisplayShare::Nothing,
-        };
-        let mut metadata = self.metadata.clone().with("frame", frame);
-        if settings.raw {
-            let offset = jitter(*antialiasing, frame);
-            metadata = metadata.with("jitter.X", offset.x).with("jitter.Y", offset.y);
+        let mut planes = backend.planes(pipeline).map_err(failed)?;
+        let Plan { settings, piece, antialiasing, .. } = plan;
+        let rendered = settings.region();
+        if rendered != piece.region {
+            planes = Cow::Owned(planes.cut(piece.region.seen_from(&rendered))?);
         }
-        let written = plan.output.write(frame, &planes, settings.tone, &share, &metadata);
+        let share = if plan.format == FileFormat::Png || !piece.is_whole() {
+            let settings = Settings { crop: Some(piece.region), ..*settings };
+            backend.display_share(stage, &settings, *antialiasing).map_err(failed)?
+        } else {
+            DisplayShare::Nothing
+        };
+        let added_up = stretch.rendered.start..frame + 1;
+        let metadata = plan.frame_metadata(self.metadata.clone(), added_up, &self.view);
+        let written = plan.output.write(frame, &planes, piece, settings.tone, &share, &metadata);
         written.map_err(|error| LabError::Output(error.into()))
     }
+}
+
+/// The samples that are asked for, of so many; none where there is no mean of samples.
+fn sample_range(SampleSpan { first, end }: SampleSpan, of: Option<u32>) -> anyhow::Result<SampleRange> {
+    let problem = match of {
+        Some(of) if end <= of => return Ok(SampleRange { first, end, of }),
+        Some(of) => format!("--sample-range {first}..{end} reaches beyond the {of} samples that there are"),
+        None => {
+            "--sample-range is a part of the mean of -a accumulate, in one file, or of --samples".to_owned()
+        }
+    };
+    Err(Misuse(problem).into())
 }
 
 /// The file that the user named, or one in a folder of ours.

@@ -8,7 +8,7 @@ use sheer_core::text::beginning;
 use sheer_image::Image;
 use sheer_load::{Contents, Loaded};
 use sheer_scene::{
-    Camera, CameraChoice, Lens, Scene, SceneMemory,
+    Camera, CameraChoice, CameraPose, Lens, Scene, SceneMemory,
     model::{AlphaMode, LightKind, Material, Mesh, ShadingModel},
     scene_lights,
 };
@@ -365,13 +365,8 @@ impl CameraAtRest {
             Lens::Orthographic { half_height } => ("orthographic", None, Some(2.0 * half_height)),
         };
         let (eye, target) = (pose.eye(), pose.eye() + pose.forward() * ahead);
-        let up = pose.world_from_camera.matrix3.y_axis.into();
-        let list = |Vec3 { x, y, z }: Vec3| format!("{x},{y},{z}");
-        let lens = match (yfov_degrees, height) {
-            (Some(degrees), _) => format!("--fov {degrees}"),
-            (None, height) => format!("--ortho {}", height.unwrap_or_default()),
-        };
-        let options = format!("--eye {} --target {} --up {} {lens}", list(eye), list(target), list(up));
+        let up = Vec3::from(pose.world_from_camera.matrix3.y_axis);
+        let options = view_options(&pose, camera.lens, ahead);
         Self {
             name: camera.name.clone(),
             kind,
@@ -383,6 +378,18 @@ impl CameraAtRest {
             options,
         }
     }
+}
+
+/// The options of `sheer render` that make a view, its target so many world units ahead.
+pub(crate) fn view_options(pose: &CameraPose, lens: Lens, ahead: f32) -> String {
+    let list = |Vec3 { x, y, z }: Vec3| format!("{x},{y},{z}");
+    let (eye, target) = (pose.eye(), pose.eye() + pose.forward() * ahead);
+    let up = pose.world_from_camera.matrix3.y_axis.into();
+    let lens = match lens {
+        Lens::Perspective { yfov_rad } => format!("--fov {}", yfov_rad.to_degrees()),
+        Lens::Orthographic { half_height } => format!("--ortho {}", 2.0 * half_height),
+    };
+    format!("--eye {} --target {} --up {} {lens}", list(eye), list(target), list(up))
 }
 
 fn lights(scene: &Scene) -> Vec<LightAtRest> {

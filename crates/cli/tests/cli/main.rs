@@ -13,6 +13,7 @@ mod metrics;
 // The browser is talked to over descriptors that a shell hands on.
 #[cfg(unix)]
 mod page;
+mod pieces;
 mod render;
 mod run;
 mod sequence;

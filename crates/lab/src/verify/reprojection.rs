@@ -1,6 +1,7 @@
 //! STD Listing 5: motion vectors become multiples of the pattern's side, drawn by bilinear weight.
 
 use glam::Vec2;
+use sheer_image::Region;
 use sheer_metrics::statistics::{Moments, wilson_hilferty};
 use sheer_render::{
     contract::{Alignment, AlignmentRule},
@@ -37,7 +38,9 @@ fn listing_5(rule: AlignmentRule, side_px: u32, motion: Vec2) -> [Check; 3] {
     let mut strays = 0;
     let mut means = [Moments::default(); 2];
     for draw in 0..DRAWS {
-        let reprojection = Reprojection { alignment, size: [1920, 1080], frame: draw / 1024, seed: 9 };
+        let size = [1920, 1080];
+        let region = Region::whole(size);
+        let reprojection = Reprojection { alignment, size, region, frame: draw / 1024, seed: 9 };
         let aligned = reprojection.aligned(motion, [draw % 1024 % 32 * 60, draw % 1024 / 32 * 33]);
         let corner = (0..4_usize)
             .find(|&corner| aligned == low + side * Vec2::new((corner % 2) as f32, (corner / 2) as f32));

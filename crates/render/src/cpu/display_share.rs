@@ -9,7 +9,7 @@
 
 use glam::Vec2;
 use sheer_accel::{Hit, Ray};
-use sheer_image::{DisplayShare, Image};
+use sheer_image::{DisplayShare, Image, ImageError, Region};
 use sheer_scene::{CameraRay, PixelBeam, Scene, model::ShadingModel};
 
 use crate::{
@@ -26,7 +26,7 @@ const SAMPLES_A_SIDE: u32 = 4;
 /// level of 8 bits, as curves differ by less than 1 from no curve.
 const LEAST_DIFFERENCE: f32 = 0.5 / 255.0;
 
-/// The share of each pixel of a picture of a stage; through the centres of its pixels without anti-aliasing.
+/// The share of each pixel of a picture of a stage, or of the part of it that is rendered; through the centres of its pixels without anti-aliasing.
 ///
 /// # Errors
 /// [`RenderError::Image`] if the size is zero or too much for the memory.
@@ -38,19 +38,23 @@ pub fn display_share(
     if let Some(share) = uniform_display_share(stage.frame().scene(), settings.background) {
         return Ok(share);
     }
-    let [width, height] = settings.size;
+    let region = settings.region();
+    // Pixels are held against their neighbours.
+    let Region { left, top, width, height } = region.grown(1, settings.size);
     let probe = Probe::new(stage, settings);
-    let shares = stage.pool().install(|| {
-        let centres = Image::par_from_fn(width, height, |x, y| probe.seen(x, y, Vec2::splat(0.5)))?;
-        if antialiasing == Antialiasing::NONE {
-            return Ok(centres.par_map(|seen| seen.share()));
-        }
-        Image::par_from_fn(width, height, |x, y| {
-            let seen = if is_even(&centres, x, y) { centres[(x, y)] } else { probe.seen_by_samples(x, y) };
-            seen.share()
+    let shares: Result<_, ImageError> = stage.pool().install(|| {
+        let centre = |x, y| probe.seen(left + x, top + y, Vec2::splat(0.5));
+        let centres = Image::par_from_fn(width, height, centre)?;
+        let [from_x, from_y] = [region.left - left, region.top - top];
+        Image::par_from_fn(region.width, region.height, |x, y| {
+            let (x, y) = (from_x + x, from_y + y);
+            if antialiasing == Antialiasing::NONE || is_even(&centres, x, y) {
+                return centres[(x, y)].share();
+            }
+            probe.seen_by_samples(left + x, top + y).share()
         })
     });
-    shares.map(DisplayShare::PerPixel).map_err(|error: sheer_image::ImageError| error.into())
+    Ok(DisplayShare::PerPixel(shares?))
 }
 
 /// The share of all pictures of a scene, where it has light of one kind alone.

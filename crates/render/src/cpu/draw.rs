@@ -4,7 +4,7 @@ use std::{iter, time::Instant};
 
 use rayon::prelude::*;
 use sheer_core::{colour::Premul, coverage::Correction};
-use sheer_image::{Image, Pixel, Planes};
+use sheer_image::{Image, Pixel, Planes, Region};
 
 use super::{
     layer_filter, layered, samples,
@@ -13,7 +13,9 @@ use super::{
     workspace::{Byproducts, Nanoseconds},
 };
 use crate::{
-    contract::{Hybrid, OrderedCompositing, Selection, Tables, Threshold, UnorderedCompositing, Visitor},
+    contract::{
+        Hybrid, LayerFilter, OrderedCompositing, Selection, Tables, Threshold, UnorderedCompositing, Visitor,
+    },
     cost::{Counters, StepTime},
     error::RenderError,
     settings::{FrameSettings, LayerSplit, Settings},
@@ -88,10 +90,29 @@ impl Visitor for Draw<'_> {
     }
 
     fn unordered(self, method: &impl UnorderedCompositing) -> Self::Output {
+        let Some(filter) = method.layer_filter() else { return self.composited(method, None) };
+        // A filter looks at the pixels around.
+        let run = self.settings.run;
+        let crop = run.crop.map(|crop| crop.grown(filter.radius_px, run.size));
+        let settings = FrameSettings { run: Settings { crop, ..run }, ..*self.settings };
+        let mut rendered = Draw { settings: &settings, ..self }.composited(method, Some(filter))?;
+        if let (Some(crop), Some(grown)) = (run.crop, crop) {
+            rendered.planes = rendered.planes.cut(crop.seen_from(&grown))?;
+        }
+        Ok(rendered)
+    }
+}
+
+impl Draw<'_> {
+    /// A frame of a method that is fed in no order, its transparent light filtered.
+    fn composited(
+        self,
+        method: &impl UnorderedCompositing,
+        filter: Option<LayerFilter>,
+    ) -> Result<Rendered, RenderError> {
         let offsets = samples::offsets(method.samples(), self.settings.jitter);
         let pass_names = (0..method.pass_count()).map(|pass| method.pass_name(pass));
-        let filter = method.layer_filter();
-        let (stage, [width, height]) = (self.stage, self.settings.run.size);
+        let (stage, region) = (self.stage, self.settings.run.region());
         let (mut rendered, byproducts) = self.timed_tiles(|tracer, tile, counters, pixels| {
             tracer.composite_unordered(method, &offsets, filter.is_some(), tile, counters, pixels);
         })?;
@@ -101,9 +122,9 @@ impl Visitor for Draw<'_> {
         rendered.steps = names.zip(times).map(|(name, ns)| StepTime { name, ms: ns as f64 * 1e-6 }).collect();
         if let Some(filter) = filter {
             let start = Instant::now();
-            let mut layer = Image::filled(width, height, Premul::CLEAR)?;
+            let mut layer = Image::filled(region.width, region.height, Premul::CLEAR)?;
             for ([x, y], light) in byproducts.layer {
-                layer[(x, y)] = light;
+                layer[(x - region.left, y - region.top)] = light;
             }
             stage.pool().install(|| layer_filter::apply(&filter, &layer, &mut rendered.planes.colour));
             let ms = start.elapsed().as_secs_f64() * 1e3;
@@ -112,9 +133,7 @@ impl Visitor for Draw<'_> {
         }
         Ok(rendered)
     }
-}
 
-impl Draw<'_> {
     /// How pixels are to be split into layers, if they are: the exact fragments of a hybrid and the
     /// stochastic one behind them are a single layer, as is what other methods composite.
     fn splits_layers(&self) -> Option<LayerSplit> {
@@ -135,7 +154,7 @@ impl Draw<'_> {
         self,
         trace: impl Fn(&mut Tracer<'_>, &[[u32; 2]], &mut Counters, &mut Vec<Pixel>) + Sync,
     ) -> Result<(Rendered, Byproducts), RenderError> {
-        let [width, height] = self.settings.run.size;
+        let Region { left, top, width, height } = self.settings.run.region();
         let planes = if self.settings.layers.is_some() { Planes::with_layers } else { Planes::new };
         let mut planes = planes(width, height)?;
         let start = Instant::now();
@@ -148,13 +167,14 @@ impl Draw<'_> {
                 let mut tracer = Tracer::new(self.stage, self.settings, &shadows, self.correction);
                 let mut counters = Counters::default();
                 let (mut tile, mut pixels) = (Vec::new(), Vec::new());
-                for left in (0..width).step_by(TILE_SIDE as usize) {
+                for column in (0..width).step_by(TILE_SIDE as usize) {
+                    let of_tile = pixels_of_tile([column, band.y], [width, height]);
                     tile.clear();
-                    tile.extend(pixels_of_tile([left, band.y], [width, height]));
+                    tile.extend(of_tile.map(|[x, y]| [left + x, top + y]));
                     pixels.clear();
                     trace(&mut tracer, &tile, &mut counters, &mut pixels);
                     for (&[x, y], &pixel) in tile.iter().zip(&pixels) {
-                        band.set(x, y - band.y, pixel);
+                        band.set(x - left, y - top - band.y, pixel);
                     }
                 }
                 (counters, tracer.byproducts)

@@ -2,6 +2,7 @@
 
 use glam::{UVec2, Vec2};
 use sheer_core::hash::{pcg3d, unit_from_bits};
+use sheer_image::Region;
 
 use crate::contract::{Alignment, AlignmentRule};
 
@@ -12,6 +13,8 @@ pub struct Reprojection {
     pub alignment: Alignment,
     /// Width and height of the picture, pixels.
     pub size: [u32; 2],
+    /// The part of it of which there is a history.
+    pub region: Region,
     /// Index of the frame: each draws anew.
     pub frame: u32,
     /// Seed of the run.
@@ -19,8 +22,8 @@ pub struct Reprojection {
 }
 
 impl Reprojection {
-    /// The motion vector (pixels) of a transparent pixel as a multiple of the pattern's side, so that history
-    /// is fetched from a pixel at the same position in the pattern.
+    /// The motion vector (pixels) of a transparent pixel, given by column and row in the picture, as a multiple
+    /// of the pattern's side, so that history is fetched from a pixel at the same position in the pattern.
     #[must_use]
     pub fn aligned(self, motion: Vec2, pixel: [u32; 2]) -> Vec2 {
         let side = self.alignment.side_px as f32;
@@ -58,7 +61,8 @@ mod tests {
 
     fn aligned_by(rule: AlignmentRule, motion: Vec2, frame: u32) -> Vec2 {
         let alignment = Alignment { side_px: 3, rule };
-        Reprojection { alignment, size: [1000, 500], frame, seed: 0 }
+        let size = [1000, 500];
+        Reprojection { alignment, size, region: Region::whole(size), frame, seed: 0 }
             .aligned(motion, [frame % 977, frame / 977])
     }
 

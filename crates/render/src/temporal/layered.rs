@@ -6,13 +6,13 @@
 //! does, which cannot tell noise from detail: the new samples are held against the history pixel by pixel,
 //! and only the mean of these residuals, as far as it is more than chance, moves the history.
 
-use glam::{Vec2, Vec3, Vec4};
+use glam::{UVec2, Vec2, Vec3, Vec4};
 use sheer_core::colour::mean_channel;
 use sheer_core::{
     bibliography,
     parameter::{ParameterInfo, ParameterRange, Values},
 };
-use sheer_image::{Image, ImageError, PixelLayers, Planes};
+use sheer_image::{Image, ImageError, PixelLayers, Planes, Region};
 
 use super::{
     align::Reprojection,
@@ -229,11 +229,18 @@ impl Technique for Layered {
         Some(LayerSplit { least_share: self.least_share })
     }
 
+    /// In every frame that is rectified, a history hears of those of the pixels in the neighbourhood. The
+    /// picture is smoothed in the end.
+    fn margin_px(&self) -> u32 {
+        let rectified = (STILL_GAIN / self.weight).floor() as u32 + 1;
+        self.radius.saturating_mul(rectified).saturating_add(SMOOTHING_RADIUS as u32)
+    }
+
     fn resolve(
         &self,
         past: &Past,
         current: &mut Planes,
-        _: Reprojection,
+        Reprojection { region, .. }: Reprojection,
     ) -> Result<Option<LayerHistory>, ImageError> {
         let (width, height) = current.colour.size();
         let one_layer;
@@ -253,7 +260,7 @@ impl Technique for Layered {
             (Some(LayerHistory(history)), Some(most)) => Image::par_from_fn(width, height, |x, y| {
                 averaged(&history[(x, y)], current.colour[(x, y)], &layers[(x, y)], most)
             })?,
-            (history, _) => self.rectified_history(history.as_ref(), &current.colour, layers)?,
+            (history, _) => self.rectified_history(history.as_ref(), &current.colour, layers, region)?,
         };
         // The picture.
         current.colour = Image::par_from_fn(width, height, |x, y| self.shown(&kept, [x, y]))?;
@@ -292,12 +299,13 @@ impl Layered {
         history: Option<&LayerHistory>,
         colours: &Image<[f32; 4]>,
         layers: &Image<PixelLayers>,
+        region: Region,
     ) -> Result<Image<Kept>, ImageError> {
         let (width, height) = colours.size();
         // Each layer's history, where it is now.
         let moved = match history {
             Some(LayerHistory(history)) => {
-                Image::par_from_fn(width, height, |x, y| reprojected(history, layers, [x, y]))?
+                Image::par_from_fn(width, height, |x, y| reprojected(history, layers, region, [x, y]))?
             }
             None => Image::filled(width, height, Kept::NONE)?,
         };
@@ -493,8 +501,9 @@ fn rectified(mean: Mean, sums: &Sums, sigmas: f32) -> Mean {
     }
 }
 
-/// The history of a pixel, each layer by its own motion; the front where it is now or just beside.
-fn reprojected(history: &Image<Kept>, layers: &Image<PixelLayers>, [x, y]: [u32; 2]) -> Kept {
+/// The history of a pixel, each layer by its own motion; the front where it is now or just beside. Frames are
+/// those of a region of the picture.
+fn reprojected(history: &Image<Kept>, layers: &Image<PixelLayers>, region: Region, [x, y]: [u32; 2]) -> Kept {
     let own = &layers[(x, y)];
     let mut front = own;
     let (mut nearest, mut furthest) = (FARTHEST, 0.0_f32);
@@ -510,8 +519,8 @@ fn reprojected(history: &Image<Kept>, layers: &Image<PixelLayers>, [x, y]: [u32;
         }
     }
     let place = |motion: [f32; 2]| {
-        let at = Vec2::new(x as f32, y as f32) + Vec2::from(motion);
-        Some(Place::inside(history.size(), at)?.around(history))
+        let at = UVec2::new(region.left + x, region.top + y).as_vec2() + Vec2::from(motion);
+        Some(Place::inside(region, at)?.around(history))
     };
     let mut moved = Kept::NONE;
     let back_around = place(own.back_motion);
@@ -569,8 +578,13 @@ mod tests {
     use crate::contract::Alignment;
 
     const SIZE: u32 = 24;
-    const STILL: Reprojection =
-        Reprojection { alignment: Alignment::NONE, size: [SIZE; 2], frame: 0, seed: 0 };
+    const STILL: Reprojection = Reprojection {
+        alignment: Alignment::NONE,
+        size: [SIZE; 2],
+        region: Region { left: 0, top: 0, width: SIZE, height: SIZE },
+        frame: 0,
+        seed: 0,
+    };
     const RED: [f32; 4] = [0.9, 0.1, 0.0, 1.0];
     const GREEN: [f32; 4] = [0.0, 0.6, 0.2, 1.0];
 

@@ -147,6 +147,15 @@ pub fn jitter(antialiasing: Antialiasing, frame: u32) -> Vec2 {
     antialiasing.technique().jitter(frame)
 }
 
+/// How many pixels around a crop ([`Settings::crop`]) are to be rendered with it, so that its own show what
+/// they show in the whole picture: as far as a history looks around, frame after frame, where nothing moves.
+/// Where something does, no margin suffices to the bit, since histories come from as far as things have moved
+/// (docs/farm.md says what is left). 0 without a history, or with one of each pixel by itself.
+#[must_use]
+pub fn margin_px(antialiasing: Antialiasing) -> u32 {
+    antialiasing.technique().margin_px()
+}
+
 /// How the technique wants the pixels of each frame split into layers, if it does.
 #[must_use]
 pub fn layers(antialiasing: Antialiasing) -> Option<LayerSplit> {
@@ -174,7 +183,7 @@ pub struct History {
 }
 
 impl History {
-    /// A history of no frames yet, for a picture of a width and height in pixels.
+    /// A history of no frames yet, for frames of a width and height in pixels.
     ///
     /// # Errors
     /// [`ImageError::Size`] if a side is zero or memory does not suffice.
@@ -207,9 +216,10 @@ impl History {
         alignment: Alignment,
         settings: &FrameSettings,
     ) -> Result<(), ImageError> {
-        let FrameSettings { run: Settings { size, seed, .. }, frame, is_still, .. } = *settings;
+        let FrameSettings { run, frame, is_still, .. } = *settings;
         self.past.still_count = if is_still { self.past.still_count + 1 } else { 0 };
-        let reprojection = Reprojection { alignment, size, frame, seed };
+        let Settings { size, seed, .. } = run;
+        let reprojection = Reprojection { alignment, size, region: run.region(), frame, seed };
         let layers = self.antialiasing.technique().resolve(&self.past, &mut current, reprojection)?;
         self.past = Past { planes: current, layers, count: self.past.count + 1, ..self.past };
         Ok(())

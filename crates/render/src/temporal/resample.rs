@@ -1,11 +1,10 @@
 //! What techniques that reproject their history share: how it is looked up between pixels, and the colour
 //! space in which it is held against new frames.
 
-use glam::{Vec2, Vec4};
-use sheer_image::Image;
+use glam::{UVec2, Vec2, Vec4};
+use sheer_image::{Image, Region};
 
-/// A place in a history, pixels (origin at the first pixel's centre): the pixel to its upper left, and the
-/// way from there, 0 to 1.
+/// A place in a history: column and row of the pixel to its upper left, and the way from there, 0 to 1.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Place {
     pub(super) column: i64,
@@ -14,11 +13,16 @@ pub(super) struct Place {
 }
 
 impl Place {
-    /// `None` outside a picture of this width and height.
-    pub(super) fn inside((width, height): (u32, u32), at: Vec2) -> Option<Self> {
-        let is_inside = at.x > -0.5 && at.y > -0.5 && at.x < width as f32 - 0.5 && at.y < height as f32 - 0.5;
+    /// In the history of a region of a picture; `at` is in pixels of the picture, from the centre of its
+    /// first one. `None` outside the region.
+    pub(super) fn inside(region: Region, at: Vec2) -> Option<Self> {
+        let first = UVec2::new(region.left, region.top).as_vec2() - 0.5;
+        let end = UVec2::new(region.right(), region.bottom()).as_vec2() - 0.5;
+        let is_inside = at.cmpgt(first).all() && at.cmplt(end).all();
+        // The way from the pixel has the bits that it has in the whole picture.
         let low = at.floor();
-        is_inside.then(|| Self { column: low.x as i64, row: low.y as i64, share: at - low })
+        let (column, row) = (low.x as i64 - i64::from(region.left), low.y as i64 - i64::from(region.top));
+        is_inside.then(|| Self { column, row, share: at - low })
     }
 
     /// The 4×4 pixels around; at the edges of the picture the nearest ones.
@@ -109,6 +113,24 @@ mod tests {
     use super::*;
 
     #[test]
+    fn a_history_of_a_region_is_looked_up_by_places_in_the_picture() {
+        let whole = Image::from_fn(20, 10, |x, y| (x * x + 7 * y) as f32).unwrap();
+        let region = Region { left: 6, top: 2, width: 9, height: 7 };
+        let part = whole.cut(region).unwrap();
+        for step in 0..40 {
+            let at = Vec2::new(8.0, 4.0) + Vec2::new(0.1, 0.07) * step as f32;
+            let [of_whole, of_part] =
+                [(&whole, Region::whole([20, 10])), (&part, region)].map(|(image, region)| {
+                    Place::inside(region, at).unwrap().around(image).sharp(|&value: &f32| Vec4::splat(value))
+                });
+            assert_eq!(of_whole, of_part, "{at}");
+        }
+        for outside in [[5.4, 4.0], [14.6, 4.0], [8.0, 1.4], [8.0, 8.6]] {
+            assert!(Place::inside(region, outside.into()).is_none(), "{outside:?}");
+        }
+    }
+
+    #[test]
     fn colours_come_back() {
         let rgba = [0.2, 0.9, 3.0, 0.5];
         let back = rgba_from_ycocga(ycocga_from_rgba(rgba));
@@ -127,7 +149,8 @@ mod tests {
     fn nothing_swings_over_at_an_edge() {
         let edge = Image::from_fn(8, 1, |x, _| if x < 4 { 0.0 } else { 1.0 }).unwrap();
         for step in 0..70 {
-            let place = Place::inside(edge.size(), Vec2::new(step as f32 * 0.1, 0.0)).unwrap();
+            let at = Vec2::new(step as f32 * 0.1, 0.0);
+            let place = Place::inside(Region::whole([8, 1]), at).unwrap();
             let value = place.around(&edge).sharp(|&value: &f32| Vec4::splat(value)).x;
             assert!((0.0..=1.0).contains(&value), "{value}");
         }

@@ -2,12 +2,12 @@
 //! average of reprojected history, rectified by the mean and variance of the new frame's neighbourhood (STD
 //! section 2.1, Eq. 2).
 
-use glam::{Vec2, Vec4};
+use glam::{UVec2, Vec2, Vec4};
 use sheer_core::{
     bibliography,
     parameter::{ParameterInfo, ParameterRange, Values},
 };
-use sheer_image::{Image, ImageError, Planes};
+use sheer_image::{Image, ImageError, Planes, Region};
 
 use super::{
     align::Reprojection,
@@ -86,6 +86,11 @@ impl Technique for Taa {
         halton(frame % JITTER_PERIOD + 1)
     }
 
+    /// History is held against the neighbourhood of the new frame alone.
+    fn margin_px(&self) -> u32 {
+        self.radius.max(OPAQUE_RADIUS as u32)
+    }
+
     fn resolve(
         &self,
         past: &Past,
@@ -112,7 +117,7 @@ impl Taa {
         count: u32,
         reprojection: Reprojection,
     ) -> Result<Image<[f32; 4]>, ImageError> {
-        let (width, height) = current.colour.size();
+        let Region { left, top, width, height } = reprojection.region;
         let ycocga = current.colour.par_map(|&rgba| ycocga_from_rgba(rgba));
         // A young history is a plain mean: the average would take 30 frames to forget the first one.
         let weight = self.weight.max(1.0 / (count as f32 + 1.0));
@@ -121,8 +126,9 @@ impl Taa {
             let transparent = current.transparent[(x, y)];
             let motion = Vec2::from(current.motion[(x, y)]);
             // Only where the pattern shows: opaque surfaces would smear for nothing.
-            let motion = if transparent { reprojection.aligned(motion, [x, y]) } else { motion };
-            let Some(place) = Place::inside(history.size(), Vec2::new(x as f32, y as f32) + motion) else {
+            let at = [left + x, top + y];
+            let motion = if transparent { reprojection.aligned(motion, at) } else { motion };
+            let Some(place) = Place::inside(reprojection.region, UVec2::from(at).as_vec2() + motion) else {
                 return new.to_array();
             };
             let old = place.around(history).sharp(|&rgba| rgba.into());
@@ -172,7 +178,10 @@ mod tests {
     use super::*;
     use crate::contract::Alignment;
 
-    const STILL: Reprojection = Reprojection { alignment: Alignment::NONE, size: [8, 8], frame: 0, seed: 0 };
+    fn still(size: [u32; 2]) -> Reprojection {
+        let region = Region::whole(size);
+        Reprojection { alignment: Alignment::NONE, size, region, frame: 0, seed: 0 }
+    }
 
     fn planes(width: u32, height: u32, colour: impl Fn(u32, u32) -> f32) -> Planes {
         let mut planes = Planes::new(width, height).unwrap();
@@ -184,7 +193,7 @@ mod tests {
     fn an_even_neighbourhood_forgets_wrong_history_at_once() {
         let current = planes(8, 8, |_, _| 0.25);
         let history = Image::filled(8, 8, [1.0; 4]).unwrap();
-        let result = Taa::DEFAULT.averaged(&current, &history, 100, STILL).unwrap();
+        let result = Taa::DEFAULT.averaged(&current, &history, 100, still([8; 2])).unwrap();
         assert!((result[(4, 4)][0] - 0.25).abs() < 1e-4);
     }
 
@@ -192,7 +201,7 @@ mod tests {
     fn plausible_history_keeps_nine_tenths() {
         let current = planes(9, 9, |x, y| ((x + y) % 2) as f32);
         let history = Image::filled(9, 9, [0.5; 4]).unwrap();
-        let result = Taa::DEFAULT.averaged(&current, &history, 100, STILL).unwrap();
+        let result = Taa::DEFAULT.averaged(&current, &history, 100, still([9; 2])).unwrap();
         assert!((result[(4, 4)][0] - 0.45).abs() < 1e-5, "{:?}", result[(4, 4)]);
     }
 
@@ -204,7 +213,7 @@ mod tests {
         let alignment = Alignment { side_px: 3, rule: AlignmentRule::DeadZone };
         let clipped = |old: [f32; 4]| {
             let history = Image::filled(9, 9, old).unwrap();
-            [STILL, Reprojection { alignment, ..STILL }].map(|reprojection| {
+            [still([9; 2]), Reprojection { alignment, ..still([9; 2]) }].map(|reprojection| {
                 Vec4::from(Taa::DEFAULT.averaged(&current, &history, 100, reprojection).unwrap()[(4, 4)])
             })
         };
@@ -220,12 +229,12 @@ mod tests {
         // A red card of opacity 0.5 was here; nothing is now.
         let mut current = planes(9, 9, |_, _| 0.0);
         let history = Image::filled(9, 9, [0.3, 0.0, 0.0, 0.5]).unwrap();
-        let result = Taa::DEFAULT.averaged(&current, &history, 100, STILL).unwrap();
+        let result = Taa::DEFAULT.averaged(&current, &history, 100, still([9; 2])).unwrap();
         assert!(Vec4::from(result[(4, 4)]).abs().max_element() < 1e-4, "{:?}", result[(4, 4)]);
         // At its edge colour and opacity go together.
         current.colour =
             Image::from_fn(9, 9, |x, _| if x < 5 { [0.0; 4] } else { [0.3, 0.0, 0.0, 0.5] }).unwrap();
-        let result = Taa::DEFAULT.averaged(&current, &history, 100, STILL).unwrap();
+        let result = Taa::DEFAULT.averaged(&current, &history, 100, still([9; 2])).unwrap();
         for pixel in result.as_slice() {
             assert!((pixel[0] - 0.6 * pixel[3]).abs() < 1e-5, "{pixel:?}");
         }
@@ -237,7 +246,7 @@ mod tests {
         current.motion = Image::filled(8, 8, [-2.0, 0.0]).unwrap();
         current.transparent = Image::filled(8, 8, true).unwrap();
         let history = Image::from_fn(8, 8, |x, _| [x as f32 + 2.0; 4]).unwrap();
-        let result = Taa::DEFAULT.averaged(&current, &history, 100, STILL).unwrap();
+        let result = Taa::DEFAULT.averaged(&current, &history, 100, still([8; 2])).unwrap();
         assert!((result[(4, 4)][0] - 4.0).abs() < 1e-4, "what was at 2 is now at 4");
         assert_eq!(result[(1, 4)][0], 1.0, "nothing was seen beyond the edge");
     }

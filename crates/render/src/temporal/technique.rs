@@ -49,6 +49,11 @@ pub(super) trait Technique: Sync {
     /// Offset of a frame's sample from the pixel centre, each coordinate in (-0.5, 0.5) pixels.
     fn jitter(&self, frame: u32) -> Vec2;
 
+    /// See [`super::margin_px`].
+    fn margin_px(&self) -> u32 {
+        0
+    }
+
     /// How it wants the pixels of each frame split into layers, if it does.
     fn layers(&self) -> Option<LayerSplit> {
         None
