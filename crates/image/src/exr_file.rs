@@ -217,12 +217,15 @@ pub fn decode_exr(bytes: &[u8], name: &str) -> Result<Planes, ImageError> {
     Ok(decode_exr_piece(bytes, name, TextureLimits::default())?.0)
 }
 
+/// Width and height of a picture, and which of its pixels a part holds.
+type Place = ([u32; 2], Region);
+
 /// What the header of a file with a single part says: which rectangle of which picture it holds, if it lies
 /// within that, and how it was made.
 ///
 /// # Errors
 /// What is wrong with the file.
-pub(crate) fn decode_exr_header(bytes: &[u8]) -> Result<(Option<([u32; 2], Region)>, Metadata), String> {
+pub(crate) fn decode_exr_header(bytes: &[u8]) -> Result<(Option<Place>, Metadata), String> {
     let meta = exr::meta::MetaData::read_from_buffered(Cursor::new(bytes), false)
         .map_err(|error| format!("it does not read as OpenEXR ({error})"))?;
     let [header] = meta.headers.as_slice() else {
@@ -240,8 +243,8 @@ pub(crate) fn decode_exr_header(bytes: &[u8]) -> Result<(Option<([u32; 2], Regio
     Ok((place_of(header), metadata))
 }
 
-/// Width and height of the picture, and which of its pixels a part holds.
-fn place_of(header: &Header) -> Option<([u32; 2], Region)> {
+/// Where the pixels of a part lie; none if beyond the picture.
+fn place_of(header: &Header) -> Option<Place> {
     let IntegerBounds { position: origin, size: display } = header.shared_attributes.display_window;
     let position = header.own_attributes.layer_position;
     let side = |pixels: usize| u32::try_from(pixels).ok();

@@ -83,7 +83,8 @@ fn render<B: Backend>(arguments: &RenderArguments, backend: &B) -> anyhow::Resul
             Some(exposure) => exposure.settings(settings),
             None => Settings { first_frame: stretch.rendered.start, ..settings },
         };
-        let mut pipeline = backend.pipeline(&arguments.method, antialiasing, plan.from_sample(settings))?;
+        let mut pipeline =
+            backend.pipeline(&arguments.method, antialiasing, plan.at_first_sample(settings))?;
         if at == 0 {
             backend.notes(&pipeline).iter().for_each(|note| console.warn(note));
         }
@@ -181,7 +182,7 @@ impl Plan {
 
     /// The settings of a pipeline that begins with the first sample that is asked for; an exposure counts
     /// them itself.
-    fn from_sample(&self, settings: Settings) -> Settings {
+    fn at_first_sample(&self, settings: Settings) -> Settings {
         match (self.exposure, self.piece.samples) {
             (None, Some(SampleRange { first, .. })) => {
                 Settings { first_frame: settings.first_frame + first, ..settings }
