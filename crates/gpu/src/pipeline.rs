@@ -108,8 +108,8 @@ impl GpuPipeline {
     /// Compiles what the method needs; nothing is rendered yet.
     ///
     /// # Errors
-    /// The path does not run the method or the shadows, a part of the picture is asked for, the picture is too
-    /// large, or the device refuses.
+    /// The path does not run the method or the shadows, a part of the picture is asked for, the picture is
+    /// too large, or the device refuses.
     pub fn new(
         gpu: &Arc<Gpu>,
         choice: GpuPathChoice,

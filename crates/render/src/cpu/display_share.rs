@@ -26,7 +26,8 @@ const SAMPLES_A_SIDE: u32 = 4;
 /// level of 8 bits, as curves differ by less than 1 from no curve.
 const LEAST_DIFFERENCE: f32 = 0.5 / 255.0;
 
-/// The share of each pixel of a picture of a stage, or of the part of it that is rendered; through the centres of its pixels without anti-aliasing.
+/// The share of each pixel of a picture of a stage, or of the part of it that is rendered; through the
+/// centres of its pixels without anti-aliasing.
 ///
 /// # Errors
 /// [`RenderError::Image`] if the size is zero or too much for the memory.

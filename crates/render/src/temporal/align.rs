@@ -22,8 +22,9 @@ pub struct Reprojection {
 }
 
 impl Reprojection {
-    /// The motion vector (pixels) of a transparent pixel, given by column and row in the picture, as a multiple
-    /// of the pattern's side, so that history is fetched from a pixel at the same position in the pattern.
+    /// The motion vector (pixels) of a transparent pixel, given by column and row in the picture, as a
+    /// multiple of the pattern's side, so that history is fetched from a pixel at the same position in the
+    /// pattern.
     #[must_use]
     pub fn aligned(self, motion: Vec2, pixel: [u32; 2]) -> Vec2 {
         let side = self.alignment.side_px as f32;
