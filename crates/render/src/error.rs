@@ -1,6 +1,6 @@
 //! Why a frame cannot be rendered.
 
-use sheer_image::ImageError;
+use sheer_image::{ImageError, Region};
 use sheer_scene::SceneError;
 
 /// Why there is no picture.
@@ -12,6 +12,14 @@ pub enum RenderError {
     /// The picture cannot be made.
     #[error(transparent)]
     Image(#[from] ImageError),
+    /// The part of the picture that is to be rendered is not within it.
+    #[error("the part {crop} reaches beyond the picture of {}x{} pixels", size[0], size[1])]
+    Crop {
+        /// The part.
+        crop: Region,
+        /// Width and height of the picture, pixels.
+        size: [u32; 2],
+    },
     /// The operating system gives no threads.
     #[error("cannot start the rendering threads: {0}; try fewer with --threads")]
     Threads(#[from] rayon::ThreadPoolBuildError),

@@ -29,7 +29,8 @@ impl Pipeline {
     /// Renders with a method of the table; nothing rendered yet.
     ///
     /// # Errors
-    /// [`RenderError::Image`] if the size is zero or too much for the memory.
+    /// [`RenderError::Image`] if the size is zero or too much for the memory, [`RenderError::Crop`] if the
+    /// crop is not within it.
     pub fn new(method: Method, antialiasing: Antialiasing, settings: Settings) -> Result<Self, RenderError> {
         Self::with_own(method, antialiasing, settings)
     }
@@ -39,8 +40,13 @@ impl<M: Transparency> Pipeline<M> {
     /// Renders with a method of the caller's own, see [`Transparency`]; nothing rendered yet.
     ///
     /// # Errors
-    /// [`RenderError::Image`] if the size is zero or too much for the memory.
+    /// [`RenderError::Image`] if the size is zero or too much for the memory, [`RenderError::Crop`] if the
+    /// crop is not within it.
     pub fn with_own(method: M, antialiasing: Antialiasing, settings: Settings) -> Result<Self, RenderError> {
+        let size = settings.size;
+        if let Some(crop) = settings.crop.filter(|crop| !crop.is_within(size)) {
+            return Err(RenderError::Crop { crop, size });
+        }
         let (added_up, _) = temporal::of_run(&settings, antialiasing);
         let history = History::new(added_up, settings.region().size())?;
         Ok(Self { method, antialiasing, settings, history, steps: Vec::new() })
@@ -62,7 +68,8 @@ impl<M: Transparency> Pipeline<M> {
     /// it to the history.
     ///
     /// # Errors
-    /// [`RenderError::Image`] if the size is zero or too much for the memory.
+    /// [`RenderError::Image`] if the size is zero or too much for the memory, [`RenderError::Crop`] if the
+    /// crop is not within it.
     pub fn render(&mut self, stage: &Stage, index: u32) -> Result<(Counters, Timings), RenderError> {
         let frame = self.settings.first_frame + index;
         let jitter = jitter(self.antialiasing, frame);

@@ -2,6 +2,7 @@
 //! beside each other.
 
 mod clip_planes;
+mod crop;
 mod display;
 mod family;
 mod glass;
