@@ -172,12 +172,8 @@ pub(crate) struct MergeArguments {
     /// sample ranges to the rounding of means.
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: PathBuf,
-    /// Tone curve of a .png, as for `sheer render`.
-    #[arg(long, value_name = "CURVE", default_value = ToneCurve::default().word(), value_parser = tone_curve)]
-    pub(crate) tone: ToneCurve,
-    /// Stops by which the light of the scene is made brighter before the tone curve.
-    #[arg(long, value_name = "EV", default_value_t = 0.0, value_parser = exposure, allow_negative_numbers = true)]
-    pub(crate) exposure: f32,
+    #[command(flatten)]
+    pub(crate) tone: ToneArguments,
     #[command(flatten)]
     pub(crate) machine: MachineArguments,
 }
@@ -240,12 +236,8 @@ pub(crate) struct MetricsArguments {
     /// Frames a second at which --vdp sees a clip.
     #[arg(long, value_name = "N", default_value_t = 30.0, value_parser = frame_rate)]
     pub(crate) fps: f32,
-    /// Tone curve of pictures in linear light, as for `sheer render`.
-    #[arg(long, value_name = "CURVE", default_value = ToneCurve::default().word(), value_parser = tone_curve)]
-    pub(crate) tone: ToneCurve,
-    /// Stops by which pictures in linear light are made brighter before the tone curve.
-    #[arg(long, value_name = "EV", default_value_t = 0.0, value_parser = exposure, allow_negative_numbers = true)]
-    pub(crate) exposure: f32,
+    #[command(flatten)]
+    pub(crate) tone: ToneArguments,
     #[command(flatten)]
     pub(crate) machine: MachineArguments,
 }
@@ -490,12 +482,19 @@ pub(crate) struct LightArguments {
     /// `sheer methods --long` lists their keys.
     #[arg(long, value_name = "SHADOW", default_value_t)]
     pub(crate) shadow: Shadow,
+    #[command(flatten)]
+    pub(crate) tone: ToneArguments,
+}
+
+/// How linear light is displayed.
+#[derive(Args, Clone, Copy, Debug)]
+pub(crate) struct ToneArguments {
     /// Tone curve of pictures for a display (.png, pages and what is measured on displayed pictures):
     /// pbr-neutral, none, aces, aces-narkowicz, agx or reinhard. Backgrounds of one colour and unlit
     /// materials are shown as they are under any of them; .exr files have linear light.
     #[arg(long, value_name = "CURVE", default_value = ToneCurve::default().word(), value_parser = tone_curve)]
     pub(crate) tone: ToneCurve,
-    /// Stops by which the light of a scene is made brighter before the tone curve, negative for darker.
+    /// Stops by which linear light is made brighter before the tone curve, negative for darker.
     #[arg(long, value_name = "EV", default_value_t = 0.0, value_parser = exposure, allow_negative_numbers = true)]
     pub(crate) exposure: f32,
 }

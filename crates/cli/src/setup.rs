@@ -15,7 +15,7 @@ use sheer_scene::{Camera, CameraChoice, CameraPose, Environment, Lens, Scene};
 use crate::{
     args::{
         EnvironmentChoice, FrameArguments, FrameSpan, LightArguments, LoadArguments, MOST_THREADS,
-        MachineArguments, SceneArguments, Size, ViewArguments,
+        MachineArguments, SceneArguments, Size, ToneArguments, ViewArguments,
     },
     console::Console,
     failure::Misuse,
@@ -88,8 +88,13 @@ impl FrameArguments {
 impl LightArguments {
     /// The same settings under this light.
     pub(crate) fn under(self, settings: Settings) -> Settings {
-        let tone = Tone { curve: self.tone, exposure_ev: self.exposure };
-        Settings { shadow: self.shadow, tone, ..settings }
+        Settings { shadow: self.shadow, tone: self.tone.tone(), ..settings }
+    }
+}
+
+impl ToneArguments {
+    pub(crate) fn tone(self) -> Tone {
+        Tone { curve: self.tone, exposure_ev: self.exposure }
     }
 }
 

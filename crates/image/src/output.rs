@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use sheer_core::parameter::Choice as _;
+
 use crate::{
     error::ImageError,
     exr_file::encode_exr_piece,
@@ -54,8 +56,9 @@ pub fn check_writable(path: &Path) -> Result<FileFormat, ImageError> {
 /// Writes a piece of a picture, or the whole of it, in the format that the ending of `path` asks for. Its
 /// place in the picture goes into the metadata as `size`, `crop` and `sample_range` (see [`Piece`]).
 ///
-/// A PNG file has what is displayed. EXR keeps linear light as it is, and with a piece how much of it is
-/// display-referred, so that [`merge`](crate::merge) can make a PNG of it.
+/// A PNG file has what is displayed, and says as `tone` and `exposure_ev` how it came about. EXR keeps linear
+/// light as it is, and with a piece how much of it is display-referred, so that [`merge`](crate::merge) can
+/// make a PNG of it.
 ///
 /// # Errors
 /// Those of [`write_png`] and [`write_exr`](crate::write_exr), and [`ImageError::UnknownExtension`].
@@ -69,7 +72,10 @@ pub fn write_frame(
 ) -> Result<(), ImageError> {
     let metadata = piece.described(metadata.clone());
     match FileFormat::from_path(path)? {
-        FileFormat::Png => write_png(path, &planes.colour, tone, share, &metadata),
+        FileFormat::Png => {
+            let metadata = metadata.with("tone", tone.curve.word()).with("exposure_ev", tone.exposure_ev);
+            write_png(path, &planes.colour, tone, share, &metadata)
+        }
         FileFormat::Exr => {
             let share = if piece.is_whole() { &DisplayShare::Nothing } else { share };
             write_whole(path, &encode_exr_piece(planes, piece, share, &metadata)?)

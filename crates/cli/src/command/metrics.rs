@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use sheer_image::{Picture, TextureLimits, Tone, read_picture};
+use sheer_image::{Picture, TextureLimits, read_picture};
 use sheer_lab::{Judged, Judging, LabError, Progress as _, file_name_from, picture_figures};
 use sheer_metrics::LEAST_VDP_SIDE_PX;
 
@@ -41,7 +41,7 @@ pub(crate) fn run(arguments: &MetricsArguments) -> anyhow::Result<()> {
         }
     }
 
-    let tone = Tone { curve: arguments.tone, exposure_ev: arguments.exposure };
+    let tone = arguments.tone.tone();
     let judging = Judging { tone, vdp_frames_per_sec: arguments.vdp.then_some(arguments.fps) };
     let limits = TextureLimits::default();
     let read = |path: &Path| read_picture(path, limits).map_err(LabError::from);

@@ -8,7 +8,6 @@ use std::{
 };
 
 use anyhow::bail;
-use sheer_core::parameter::Choice as _;
 use sheer_image::{DisplayShare, FileFormat, Metadata, Piece, Region, SampleRange};
 use sheer_lab::{Event, Exposure, LabError, Progress as _, Tally, Timeline, play};
 use sheer_render::{
@@ -223,9 +222,8 @@ impl Plan {
 
     /// What all frames have in common.
     fn metadata(&self, metadata: Metadata, view: &View) -> Metadata {
-        let tone = self.settings.tone;
         let metadata = match self.format {
-            FileFormat::Png => metadata.with("tone", tone.curve.word()).with("exposure_ev", tone.exposure_ev),
+            FileFormat::Png => metadata,
             FileFormat::Exr => metadata.with("scene_hash", view.scene_hash()),
         };
         let metadata = if self.margin > 0 && self.settings.crop.is_some() {
