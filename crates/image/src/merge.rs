@@ -115,7 +115,7 @@ pub struct Merged {
 /// # Errors
 /// [`MergeError`] names the pieces that do not belong together, and what is missing.
 pub fn merge(paths: &[PathBuf], limits: TextureLimits) -> Result<Merged, MergeError> {
-    let pieces = paths.iter().map(|path| Header::read(path)).collect::<Result<Vec<_>, _>>()?;
+    let pieces = paths.iter().map(|path| Header::read(path, limits)).collect::<Result<Vec<_>, _>>()?;
     let first = pieces.first().ok_or(MergeError::Nothing)?;
     pieces.iter().try_for_each(|piece| piece.belongs_to(first))?;
     let picture = first.piece.picture;
@@ -165,9 +165,9 @@ impl<'a> Header<'a> {
     /// The key that is looked at first: all else of another scene may be the same.
     const SCENE_HASH: &'static str = "scene_hash";
 
-    fn read(path: &'a Path) -> Result<Self, MergeError> {
+    fn read(path: &'a Path, limits: TextureLimits) -> Result<Self, MergeError> {
         let no_piece = |problem: String| MergeError::NoPiece { path: path.to_owned(), problem };
-        let bytes = read_file(path)?;
+        let bytes = read_file(path, limits)?;
         let (place, metadata) = decode_exr_header(&bytes).map_err(no_piece)?;
         let Some(size) = metadata.get(Piece::SIZE) else {
             return Err(no_piece("its header has no sheer.size".to_owned()));
@@ -204,8 +204,8 @@ impl<'a> Header<'a> {
     }
 }
 
-fn read_file(path: &Path) -> Result<Vec<u8>, ImageError> {
-    read_whole(path, u64::MAX).map_err(|source| ImageError::Read { path: path.to_owned(), source })
+fn read_file(path: &Path, limits: TextureLimits) -> Result<Vec<u8>, ImageError> {
+    read_whole(path, limits.max_bytes).map_err(|source| ImageError::Read { path: path.to_owned(), source })
 }
 
 /// The pieces of a region.
@@ -309,7 +309,7 @@ fn first_gap(regions: &[Region], [width, height]: [u32; 2]) -> Region {
 /// The mean of the pieces of a region, weighed by their numbers of samples; a single piece as it is.
 fn mean(members: &[&Header<'_>], limits: TextureLimits) -> Result<(Planes, DisplayShare), MergeError> {
     let read = |header: &Header<'_>| {
-        decode_exr_piece(&read_file(header.path)?, &header.path.display().to_string(), limits)
+        decode_exr_piece(&read_file(header.path, limits)?, &header.path.display().to_string(), limits)
     };
     let (last, others) = members.split_last().expect("a region is there for the sake of a piece");
     let (mut planes, share) = read(last)?;

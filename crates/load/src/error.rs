@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use sheer_core::text::MemorySize;
+use sheer_scene::SceneError;
 
 /// Why a file does not open as a scene. Each message says where the fault is and what to do.
 #[derive(Debug, thiserror::Error)]
@@ -63,4 +64,12 @@ pub(crate) fn beyond_limit(bytes: u64, left: u64, limit: u64) -> String {
     format!(
         "it takes {bytes} of memory, and of the limit of {limit} there are {left} left; simplify it, or raise --memory-limit"
     )
+}
+
+/// Where a scene that was read is not valid, and what is wrong there.
+pub(crate) fn invalid_part(error: SceneError) -> (String, String) {
+    match error {
+        SceneError::Invalid { place, problem, .. } => (place, problem),
+        other @ SceneError::NoCamera { .. } => ("cameras".to_owned(), other.to_string()),
+    }
 }

@@ -8,13 +8,16 @@ use std::{
 };
 
 use sheer_core::text::{MemorySize, beginning};
-use sheer_scene::{FrameSize, Scene, SceneError, model::SceneParts};
+use sheer_scene::{FrameSize, Scene, model::SceneParts};
 
 use super::{
     Contents, LoadOptions, LoadWarning, Loaded,
     loaded::{LONGEST_MESSAGE, LONGEST_NAME},
 };
-use crate::{LoadError, error::beyond_limit};
+use crate::{
+    LoadError,
+    error::{beyond_limit, invalid_part},
+};
 
 /// Triangles that a file may draw: every frame holds all of them, at some 200 bytes each with its hierarchy.
 pub(super) const MAX_TRIANGLES: usize = 1 << 26;
@@ -138,9 +141,9 @@ impl<'a> Source<'a> {
         }
         let frame = FrameSize::of(&parts);
         self.take(usize::try_from(frame.bytes).unwrap_or(usize::MAX), "triangles")?;
-        let scene = Scene::new(parts).map_err(|error| match error {
-            SceneError::Invalid { place, problem, .. } => self.fault(place, problem),
-            SceneError::NoCamera { .. } => self.fault("cameras", error.to_string()),
+        let scene = Scene::new(parts).map_err(|error| {
+            let (place, problem) = invalid_part(error);
+            self.fault(place, problem)
         })?;
         let contents = Contents { format: self.format.to_owned(), ..Contents::default() };
         let mut warnings = self.warnings.into_inner();

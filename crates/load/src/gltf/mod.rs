@@ -16,9 +16,11 @@
 use std::path::Path;
 
 use sheer_core::text::quoted;
-use sheer_scene::{FrameSize, Scene, SceneError, level_bytes, model::SceneParts};
+use sheer_scene::{FrameSize, Scene, level_bytes, model::SceneParts};
 
-use crate::{Clip, Contents, Extension, LoadError, LoadOptions, LoadWarning, Loaded, stroke};
+use crate::{
+    Clip, Contents, Extension, LoadError, LoadOptions, LoadWarning, Loaded, error::invalid_part, stroke,
+};
 
 mod accessor;
 mod animation;
@@ -141,9 +143,9 @@ pub(super) fn load_slice(bytes: &[u8], path: &Path, options: &LoadOptions) -> Re
         return Err(error);
     }
 
-    let scene = Scene::new(parts).map_err(|error| match error {
-        SceneError::Invalid { place, problem, .. } => document.fault(place, problem),
-        SceneError::NoCamera { .. } => document.fault("cameras", error.to_string()),
+    let scene = Scene::new(parts).map_err(|error| {
+        let (place, problem) = invalid_part(error);
+        document.fault(place, problem)
     })?;
     let contents = contents(&document, clips);
     Ok(Loaded { scene, warnings: document.into_warnings(), contents })
