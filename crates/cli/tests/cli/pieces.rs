@@ -225,7 +225,9 @@ fn a_gpu_says_that_it_renders_whole_pictures() {
 }
 
 #[test]
-fn the_seam_of_moving_crops_is_as_good_as_that_of_chunks() {
+fn a_margin_hides_the_seam_of_moving_crops() {
+    // Between what is left with the default margins and without any, by 10 dB or more.
+    const LEAST_DB: f64 = 70.0;
     let folder = tempfile::tempdir().unwrap();
     let shown = |name: &str| {
         let planes = read_exr(&folder.path().join(name)).unwrap();
@@ -241,7 +243,7 @@ fn the_seam_of_moving_crops_is_as_good_as_that_of_chunks() {
         }
         let [default, bare] =
             ["default.exr", "bare.exr"].map(|name| psnr_db(&shown("whole.exr"), &shown(name)).unwrap());
-        assert!(default > 55.0, "{aa}: {default} dB");
-        assert!(bare < 60.0, "{aa}: the check is blind, {bare} dB");
+        assert!(default > LEAST_DB, "{aa}: {default} dB");
+        assert!(bare < LEAST_DB, "{aa}: the check is blind, {bare} dB");
     }
 }
