@@ -461,6 +461,9 @@ impl Packet {
             if near > self.end {
                 continue;
             }
+            if let Some(next) = stack.top() {
+                tree.prefetch(lanes, next);
+            }
             if !child.is_block() {
                 let node = &tree.nodes[child.index()];
                 let (near, entered) = self.enter(lanes, place, node);

@@ -82,6 +82,9 @@ fn walk<L: Lanes, P: Placement>(
         if near > t_max {
             continue;
         }
+        if let Some(next) = stack.top() {
+            tree.prefetch(lanes, next);
+        }
         while !child.is_block() {
             let node = &tree.nodes[child.index()];
             let (near, entered) = slabs.enter(lanes, place, node, t_max);

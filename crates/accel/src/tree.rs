@@ -4,6 +4,7 @@ use glam::Vec3A;
 
 use crate::build::Part;
 use crate::node::{Block, Child, Node};
+use crate::simd::lanes::Lanes;
 
 /// What a traversal reads.
 #[derive(Clone, Copy, Debug)]
@@ -21,5 +22,15 @@ impl<'a> Tree<'a> {
     pub(crate) fn new(nodes: &'a [Node], blocks: &'a [Block], whole: Option<Part>) -> Self {
         let (lower, upper) = whole.map_or((Vec3A::ZERO, Vec3A::ZERO), |part| part.bounds.corners());
         Self { nodes, blocks, root: whole.map(|part| part.root), lower, upper }
+    }
+
+    /// Asks for the memory of a child.
+    #[inline(always)]
+    pub(crate) fn prefetch<L: Lanes>(&self, lanes: L, child: Child) {
+        if child.is_block() {
+            lanes.prefetch(&self.blocks[child.index()]);
+        } else {
+            lanes.prefetch(&self.nodes[child.index()]);
+        }
     }
 }

@@ -23,6 +23,9 @@ pub(crate) trait Lanes: Copy {
     /// Lanes with `a < b`.
     fn lt(self, a: Self::F, b: Self::F) -> u32;
 
+    /// Asks for the memory of a value that is read soon; nothing else happens.
+    fn prefetch<T>(self, value: &T);
+
     /// Pushes the children named by `hits`, nearest last. `near` is not negative there; it is rounded down
     /// to the stack's keys (see [`key`]), which keeps culling conservative.
     fn push(self, stack: &mut Stack<'_>, near: Self::F, hits: u32, children: &[Child; WIDTH]);

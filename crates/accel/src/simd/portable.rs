@@ -72,6 +72,9 @@ impl Lanes for Portable {
         mask(|lane| a[lane] < b[lane])
     }
 
+    #[inline(always)]
+    fn prefetch<T>(self, _: &T) {}
+
     /// Insertion sort: most nodes have one to three children on a ray.
     #[inline(always)]
     fn push(self, stack: &mut Stack<'_>, near: Self::F, mut hits: u32, children: &[Child; WIDTH]) {

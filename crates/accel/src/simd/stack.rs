@@ -73,6 +73,14 @@ impl<'a> Stack<'a> {
         }
     }
 
+    /// What will be popped next.
+    #[inline(always)]
+    pub(crate) fn top(&self) -> Option<Child> {
+        let index = self.len.checked_sub(1)?;
+        // SAFETY: `len` is above this index, and entries below `len` are written.
+        Some(unsafe { self.slots.children.as_ptr().cast::<Child>().add(index).read() })
+    }
+
     #[inline(always)]
     pub(crate) fn pop(&mut self) -> Option<(f32, Child)> {
         self.len = self.len.checked_sub(1)?;

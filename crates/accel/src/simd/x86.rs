@@ -4,10 +4,10 @@
 //! operands broadcast from memory, and twice the registers.
 
 use std::arch::x86_64::{
-    __m256, __m256i, _CMP_LE_OQ, _CMP_LT_OQ, _mm256_add_ps, _mm256_andnot_si256, _mm256_blend_epi32,
-    _mm256_castps_si256, _mm256_cmp_ps, _mm256_cmp_ps_mask, _mm256_cmpeq_epi32, _mm256_div_ps,
-    _mm256_loadu_ps, _mm256_loadu_si256, _mm256_mask_blend_epi32, _mm256_max_epu32, _mm256_max_ps,
-    _mm256_min_epu32, _mm256_min_ps, _mm256_movemask_ps, _mm256_mul_ps, _mm256_or_si256,
+    __m256, __m256i, _CMP_LE_OQ, _CMP_LT_OQ, _MM_HINT_T0, _mm_prefetch, _mm256_add_ps, _mm256_andnot_si256,
+    _mm256_blend_epi32, _mm256_castps_si256, _mm256_cmp_ps, _mm256_cmp_ps_mask, _mm256_cmpeq_epi32,
+    _mm256_div_ps, _mm256_loadu_ps, _mm256_loadu_si256, _mm256_mask_blend_epi32, _mm256_max_epu32,
+    _mm256_max_ps, _mm256_min_epu32, _mm256_min_ps, _mm256_movemask_ps, _mm256_mul_ps, _mm256_or_si256,
     _mm256_permutevar8x32_epi32, _mm256_set1_epi32, _mm256_set1_ps, _mm256_setr_epi32, _mm256_shuffle_epi32,
     _mm256_storeu_ps, _mm256_storeu_si256, _mm256_sub_ps, _mm256_xor_si256,
 };
@@ -113,6 +113,9 @@ struct Avx512(());
 #[derive(Clone, Copy)]
 struct Avx2(());
 
+/// Bytes.
+const CACHE_LINE: usize = 64;
+
 /// An intrinsic inside a method of [`Avx512`] or [`Avx2`].
 macro_rules! x86 {
     ($intrinsic:expr) => {{
@@ -172,6 +175,14 @@ macro_rules! arithmetic {
         #[inline(always)]
         fn max(self, a: __m256, b: __m256) -> __m256 {
             x86!(_mm256_max_ps(a, b))
+        }
+
+        #[inline(always)]
+        fn prefetch<T>(self, value: &T) {
+            let start = std::ptr::from_ref(value).cast::<i8>();
+            for line in 0..size_of::<T>().div_ceil(CACHE_LINE) {
+                x86!(_mm_prefetch::<_MM_HINT_T0>(start.wrapping_add(line * CACHE_LINE)));
+            }
         }
 
         #[inline(always)]
