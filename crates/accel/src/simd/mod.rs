@@ -84,15 +84,20 @@ impl SupportedPath {
 
     /// Runs the traversal compiled for the path. `visit` is inlined into it.
     #[inline]
-    pub(crate) fn traverse(self, tree: Tree<'_>, ray: &Ray, visit: impl FnMut(Hit) -> f32) {
+    pub(crate) fn traverse<const IN_ORDER: bool>(
+        self,
+        tree: Tree<'_>,
+        ray: &Ray,
+        visit: impl FnMut(Hit) -> f32,
+    ) {
         match self.0 {
             // SAFETY: `new` and `detect` make a `SupportedPath` only after `is_supported`.
             #[cfg(target_arch = "x86_64")]
-            SimdPath::Avx512 => unsafe { x86::traverse_avx512(tree, ray, visit) },
+            SimdPath::Avx512 => unsafe { x86::traverse_avx512::<IN_ORDER>(tree, ray, visit) },
             // SAFETY: as above.
             #[cfg(target_arch = "x86_64")]
-            SimdPath::Avx2 => unsafe { x86::traverse_avx2(tree, ray, visit) },
-            _ => traverse::traverse(portable::Portable, tree, ray, visit),
+            SimdPath::Avx2 => unsafe { x86::traverse_avx2::<IN_ORDER>(tree, ray, visit) },
+            _ => traverse::traverse::<IN_ORDER, _>(portable::Portable, tree, ray, visit),
         }
     }
 

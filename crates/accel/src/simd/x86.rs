@@ -39,14 +39,18 @@ pub(super) fn has_avx2() -> bool {
 
 /// [`traverse::traverse`] with AVX-512 instructions; everything below it is inlined here.
 #[target_feature(enable = "avx512f,avx512vl,avx512bw,avx512dq,avx2,bmi1,bmi2,lzcnt,popcnt")]
-pub(super) fn traverse_avx512(tree: Tree<'_>, ray: &Ray, visit: impl FnMut(Hit) -> f32) {
-    traverse::traverse(Avx512(()), tree, ray, visit);
+pub(super) fn traverse_avx512<const IN_ORDER: bool>(
+    tree: Tree<'_>,
+    ray: &Ray,
+    visit: impl FnMut(Hit) -> f32,
+) {
+    traverse::traverse::<IN_ORDER, _>(Avx512(()), tree, ray, visit);
 }
 
 /// [`traverse::traverse`] with AVX2 instructions; everything below it is inlined here.
 #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
-pub(super) fn traverse_avx2(tree: Tree<'_>, ray: &Ray, visit: impl FnMut(Hit) -> f32) {
-    traverse::traverse(Avx2(()), tree, ray, visit);
+pub(super) fn traverse_avx2<const IN_ORDER: bool>(tree: Tree<'_>, ray: &Ray, visit: impl FnMut(Hit) -> f32) {
+    traverse::traverse::<IN_ORDER, _>(Avx2(()), tree, ray, visit);
 }
 
 /// [`traverse::traverse_two_levels`] with AVX-512 instructions.
