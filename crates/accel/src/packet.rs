@@ -18,13 +18,16 @@
 //! *Large Ray Packets for Real-time Whitted Ray Tracing*, 2008), bears less coherent rays, and costs
 //! each node some rays.
 
+use glam::Vec3;
+
 use crate::instance::TopLevel;
+use crate::limits::{COORDINATE_LIMIT, LEAST_SPEED, SPEED_LIMIT};
 use crate::node::{Block, Node, WIDTH};
 use crate::placement::{InWorld, Placement};
 use crate::ray::{Hit, Ray};
 use crate::simd::lanes::Lanes;
 use crate::simd::stack::{Slots, Stack};
-use crate::traverse::{Areas, LaneHits, Shear, is_in_range};
+use crate::traverse::{Areas, LaneHits, Shear};
 use crate::tree::Tree;
 
 /// Rays that descend together.
@@ -52,9 +55,11 @@ pub(crate) fn traverse<L: Lanes>(
     let mut packet = Packet::EMPTY;
     let mut first = 0;
     for rays in rays.chunks(RAYS) {
-        let mut waiting = Waiting::new(rays);
-        while waiting.fill(first, rays, &mut packet) {
-            packet.walk(lanes, tree, &InWorld, &mut visit);
+        let rows = Rows::new(rays);
+        for class in rows.classes(lanes) {
+            if packet.fill(lanes, &rows, class, first) {
+                packet.walk(lanes, tree, &InWorld, &mut visit);
+            }
         }
         first += RAYS;
     }
@@ -73,8 +78,11 @@ pub(crate) fn traverse_two_levels<L: Lanes>(
     let mut packet = Packet::EMPTY;
     let mut first = 0;
     for rays in rays.chunks(RAYS) {
-        let mut waiting = Waiting::new(rays);
-        while waiting.fill(first, rays, &mut packet) {
+        let rows = Rows::new(rays);
+        for class in rows.classes(lanes) {
+            if !packet.fill(lanes, &rows, class, first) {
+                continue;
+            }
             packet.walk(lanes, tree, &InWorld, visit);
             let Some(root) = boxes.root else { continue };
             let mut slots = Slots::new();
@@ -100,46 +108,96 @@ pub(crate) fn traverse_two_levels<L: Lanes>(
     }
 }
 
-/// Rays that have not been traced yet.
-struct Waiting {
-    /// One bit a ray; those out of range never wait.
-    rays: u64,
-    /// Which axis dominates, in which direction.
-    axes: [[usize; 3]; RAYS],
+/// Up to 64 rays, one in each lane of eight rows; lanes without one repeat the first, and hit nothing.
+struct Rows {
+    len: usize,
+    origin: [[Row; GROUPS]; 3],
+    direction: [[Row; GROUPS]; 3],
+    t_min: [Row; GROUPS],
+    t_max: [Row; GROUPS],
 }
 
-impl Waiting {
+impl Rows {
+    /// The rays of a chunk, of which there is one at least.
+    #[inline(always)]
     fn new(rays: &[Ray]) -> Self {
-        let mut waiting = Self { rays: 0, axes: [[0; 3]; RAYS] };
-        for (index, ray) in rays.iter().enumerate() {
-            waiting.rays |= u64::from(is_in_range(ray)) << index;
-            waiting.axes[index] = Shear::axes(ray.direction);
+        let mut rows = Self {
+            len: rays.len(),
+            origin: [[[0.0; WIDTH]; GROUPS]; 3],
+            direction: [[[0.0; WIDTH]; GROUPS]; 3],
+            t_min: [[0.0; WIDTH]; GROUPS],
+            t_max: [[0.0; WIDTH]; GROUPS],
+        };
+        for (place, ray) in rays.iter().enumerate() {
+            rows.set(place, ray);
         }
-        waiting
+        let filler = Ray { t_max: f32::NEG_INFINITY, ..rays[0] };
+        for place in rays.len()..RAYS {
+            rows.set(place, &filler);
+        }
+        rows
     }
 
-    /// Fills a packet with the next rays that have their axes in common; false if there are none. `rays` are
-    /// those of the caller from `first` on.
-    fn fill(&mut self, first: usize, rays: &[Ray], packet: &mut Packet) -> bool {
-        if self.rays == 0 {
-            return false;
+    #[inline(always)]
+    fn set(&mut self, place: usize, ray: &Ray) {
+        let (group, lane) = (place / WIDTH % GROUPS, place % WIDTH);
+        for axis in 0..3 {
+            self.origin[axis][group][lane] = ray.origin[axis];
+            self.direction[axis][group][lane] = ray.direction[axis];
         }
-        packet.begin(rays[self.rays.trailing_zeros() as usize % RAYS], self.next_axes());
-        let mut left = self.rays;
-        while left != 0 {
-            let index = left.trailing_zeros() as usize % RAYS;
-            left &= left - 1;
-            if self.axes[index] == packet.axes {
-                packet.add(first + index, &rays[index]);
-                self.rays &= !(1 << index);
+        self.t_min[group][lane] = ray.t_min;
+        self.t_max[group][lane] = ray.t_max;
+    }
+
+    #[inline(always)]
+    fn ray(&self, place: usize) -> Ray {
+        let (group, lane) = (place / WIDTH % GROUPS, place % WIDTH);
+        let vector = |rows: &[[Row; GROUPS]; 3]| {
+            Vec3::new(rows[0][group][lane], rows[1][group][lane], rows[2][group][lane])
+        };
+        Ray {
+            origin: vector(&self.origin),
+            direction: vector(&self.direction),
+            t_min: self.t_min[group][lane],
+            t_max: self.t_max[group][lane],
+        }
+    }
+
+    /// The rays that are within the ranges that [`Ray`] names, one bit each, by what [`Shear::axes`] gives
+    /// them: the dominant axis and, of each, the two directions.
+    #[inline(always)]
+    fn classes<L: Lanes>(&self, lanes: L) -> [u64; 6] {
+        let (origin_limit, speed_limit) = (lanes.splat(COORDINATE_LIMIT), lanes.splat(SPEED_LIMIT));
+        let (least_speed, zero) = (lanes.splat(LEAST_SPEED), lanes.splat(0.0));
+        let mut classes = [0; 6];
+        for group in 0..self.len.div_ceil(WIDTH) {
+            let [x, y, z] = load_group(lanes, &self.direction, group);
+            let speed = [abs(lanes, x), abs(lanes, y), abs(lanes, z)];
+            let [a, b, c] = load_group(lanes, &self.origin, group);
+            let near = lanes.le(abs(lanes, a), origin_limit)
+                & lanes.le(abs(lanes, b), origin_limit)
+                & lanes.le(abs(lanes, c), origin_limit);
+            let slow = lanes.le(speed[0], speed_limit)
+                & lanes.le(speed[1], speed_limit)
+                & lanes.le(speed[2], speed_limit);
+            let fastest = lanes.max(lanes.max(speed[0], speed[1]), speed[2]);
+            let in_range = near & slow & lanes.le(least_speed, fastest);
+            let x_dominates = lanes.le(speed[1], speed[0]) & lanes.le(speed[2], speed[0]);
+            let y_dominates = lanes.le(speed[2], speed[1]) & !x_dominates;
+            let dominates = [x_dominates, y_dominates, !(x_dominates | y_dominates)];
+            let backwards = [lanes.lt(x, zero), lanes.lt(y, zero), lanes.lt(z, zero)];
+            for axis in 0..3 {
+                let rays = in_range & dominates[axis];
+                classes[2 * axis] |= u64::from(rays & !backwards[axis]) << (group * WIDTH);
+                classes[2 * axis + 1] |= u64::from(rays & backwards[axis]) << (group * WIDTH);
             }
         }
-        packet.finish();
-        true
-    }
-
-    fn next_axes(&self) -> [usize; 3] {
-        self.axes[self.rays.trailing_zeros() as usize % RAYS]
+        // Beyond the last ray there are only repetitions.
+        let used = u64::MAX >> (RAYS - self.len);
+        for class in &mut classes {
+            *class &= used;
+        }
+        classes
     }
 }
 
@@ -153,10 +211,16 @@ struct Intervals {
 impl Intervals {
     const EMPTY: Self = Self { low: [f32::INFINITY; WIDTH], high: [f32::NEG_INFINITY; WIDTH] };
 
+    /// The intervals of eight groups of eight numbers.
     #[inline(always)]
-    fn include(&mut self, lane: usize, value: f32) {
-        self.low[lane] = self.low[lane].min(value);
-        self.high[lane] = self.high[lane].max(value);
+    fn of_groups<L: Lanes>(lanes: L, rows: &[Row; GROUPS]) -> Self {
+        let [first, rest @ ..] = transposed(lanes, rows);
+        let (mut low, mut high) = (first, first);
+        for column in rest {
+            low = lanes.min(low, column);
+            high = lanes.max(high, column);
+        }
+        Self { low: lanes.store(low), high: lanes.store(high) }
     }
 
     /// The interval around all lanes, in each lane.
@@ -347,71 +411,97 @@ impl Packet {
         end: f32::NEG_INFINITY,
     };
 
-    /// Makes it a packet without rays. `first` will be its first one.
+    /// Makes it the packet of those rays that have a bit in `class`, which have their axes in common; false
+    /// if there are none. The caller counts the first ray of `rows` as `first`.
     #[inline(always)]
-    fn begin(&mut self, first: Ray, axes: [usize; 3]) {
-        self.len = 0;
-        self.axes = axes;
-        self.is_forward = first.direction[axes[2]] > 0.0;
-        self.shares_origin = true;
-        self.groups = Frusta::EMPTY;
-    }
-
-    /// Adds a ray with the axes of the packet.
-    #[inline(always)]
-    fn add(&mut self, index: usize, ray: &Ray) {
-        let [x, y, z] = self.axes;
-        let (origin, direction) = (ray.origin.to_array(), ray.direction.to_array());
-        let inverse = 1.0 / direction[z];
-        let (origin, slope) =
-            ([origin[x], origin[y], origin[z]], [direction[x] * inverse, direction[y] * inverse, inverse]);
-        let (group, lane) = (self.len / WIDTH % GROUPS, self.len % WIDTH);
-        self.index[self.len % RAYS] = index;
-        self.len += 1;
-        for axis in 0..3 {
-            self.shares_origin &=
-                self.len == 1 || origin[axis].to_bits() == self.origin[axis][0][0].to_bits();
-            self.origin[axis][group][lane] = origin[axis];
-            self.slope[axis][group][lane] = slope[axis];
-            self.groups.origin[axis].include(group, origin[axis]);
+    fn fill<L: Lanes>(&mut self, lanes: L, rows: &Rows, class: u64, first: usize) -> bool {
+        if class == 0 {
+            return false;
         }
-        self.groups.slope[0].include(group, slope[0]);
-        self.groups.slope[1].include(group, slope[1]);
-        // The addition turns -0 into +0, as for single rays.
-        let (t_min, speed) = (ray.t_min.max(0.0) + 0.0, direction[z].abs());
-        self.t_min[group][lane] = t_min;
-        self.t_max[group][lane] = ray.t_max;
-        self.speed[group][lane] = speed * (1.0 + SLACK);
-        // What is subtracted is for products that leave the range of normal numbers.
-        let begin = t_min * speed * (1.0 - SLACK) - f32::MIN_POSITIVE;
-        let depth = &mut self.groups.depth;
-        if self.is_forward {
-            depth.low[group] = depth.low[group].min(begin);
-        } else {
-            depth.high[group] = depth.high[group].max(-begin);
-        }
-    }
-
-    /// Fills the last group with rays that hit nothing, and makes the frusta.
-    #[inline(always)]
-    fn finish(&mut self) {
-        for place in self.len..self.group_count() * WIDTH {
-            let (group, lane) = (place / WIDTH % GROUPS, place % WIDTH);
-            for axis in 0..3 {
-                self.origin[axis][group][lane] = self.origin[axis][group][0];
-                self.slope[axis][group][lane] = self.slope[axis][group][0];
+        if class == u64::MAX >> (RAYS - rows.len) {
+            for (place, index) in self.index.iter_mut().enumerate() {
+                *index = first + place;
             }
-            self.t_min[group][lane] = 0.0;
-            self.t_max[group][lane] = f32::NEG_INFINITY;
-            self.speed[group][lane] = 1.0;
+            self.fill_rows(lanes, rows);
+            return true;
         }
+        let mut rays = [rows.ray(class.trailing_zeros() as usize); RAYS];
+        let (mut count, mut left) = (0, class);
+        while left != 0 {
+            let place = left.trailing_zeros() as usize;
+            left &= left - 1;
+            rays[count % RAYS] = rows.ray(place);
+            self.index[count % RAYS] = first + place;
+            count += 1;
+        }
+        self.fill_rows(lanes, &Rows::new(&rays[..count]));
+        true
+    }
+
+    /// Fills all but the indices.
+    #[inline(always)]
+    fn fill_rows<L: Lanes>(&mut self, lanes: L, rows: &Rows) {
+        let first = rows.ray(0);
+        self.len = rows.len;
+        self.axes = Shear::axes(first.direction);
+        let [x, y, z] = self.axes;
+        self.is_forward = first.direction[z] > 0.0;
+        self.origin = [rows.origin[x], rows.origin[y], rows.origin[z]];
+        self.t_max = rows.t_max;
+
+        // Each ray by itself. The addition turns -0 into +0, as for single rays; what is subtracted from
+        // where a ray begins is for products that leave the range of normal numbers.
+        let (zero, one) = (lanes.splat(0.0), lanes.splat(1.0));
+        let mut begin = [[0.0; WIDTH]; GROUPS];
+        for (group, begin) in begin.iter_mut().enumerate() {
+            let along = lanes.load(&rows.direction[z][group]);
+            let inverse = lanes.div(one, along);
+            let slope = [
+                lanes.mul(lanes.load(&rows.direction[x][group]), inverse),
+                lanes.mul(lanes.load(&rows.direction[y][group]), inverse),
+            ];
+            self.slope[0][group] = lanes.store(slope[0]);
+            self.slope[1][group] = lanes.store(slope[1]);
+            self.slope[2][group] = lanes.store(inverse);
+            let speed = abs(lanes, along);
+            self.speed[group] = lanes.store(lanes.mul(speed, lanes.splat(1.0 + SLACK)));
+            let t_min = lanes.add(lanes.max(lanes.load(&rows.t_min[group]), zero), zero);
+            self.t_min[group] = lanes.store(t_min);
+            let least = lanes.mul(lanes.mul(t_min, speed), lanes.splat(1.0 - SLACK));
+            *begin = lanes.store(lanes.sub(least, lanes.splat(f32::MIN_POSITIVE)));
+        }
+
+        // The frusta of the groups.
+        self.shares_origin = true;
+        for axis in 0..3 {
+            self.shares_origin &= is_same(&self.origin[axis]);
+        }
+        for axis in 0..3 {
+            self.groups.origin[axis] = if self.shares_origin {
+                let origin = [self.origin[axis][0][0]; WIDTH];
+                Intervals { low: origin, high: origin }
+            } else {
+                Intervals::of_groups(lanes, &self.origin[axis])
+            };
+        }
+        self.groups.slope =
+            [Intervals::of_groups(lanes, &self.slope[0]), Intervals::of_groups(lanes, &self.slope[1])];
+        let begin = Intervals::of_groups(lanes, &begin).low;
+        self.groups.depth = Intervals::EMPTY;
+        for (group, begin) in begin.into_iter().enumerate().take(self.group_count()) {
+            if self.is_forward {
+                self.groups.depth.low[group] = begin;
+            } else {
+                self.groups.depth.high[group] = -begin;
+            }
+            self.shorten_group(group);
+        }
+
+        // The frustum of all.
         for axis in 0..3 {
             self.whole.origin[axis] = self.groups.origin[axis].union();
         }
         self.whole.slope = [self.groups.slope[0].union(), self.groups.slope[1].union()];
-        for group in 0..self.group_count() {
-            self.shorten_group(group);
-        }
         self.shorten();
     }
 
@@ -682,4 +772,43 @@ fn shear<L: Lanes>(lanes: L, x: [L::F; 3], z: [L::F; 3], slope: L::F) -> [L::F; 
         lanes.sub(x[1], lanes.mul(z[1], slope)),
         lanes.sub(x[2], lanes.mul(z[2], slope)),
     ]
+}
+
+#[inline(always)]
+fn load_group<L: Lanes>(lanes: L, [x, y, z]: &[[Row; GROUPS]; 3], group: usize) -> [L::F; 3] {
+    [lanes.load(&x[group]), lanes.load(&y[group]), lanes.load(&z[group])]
+}
+
+#[inline(always)]
+fn abs<L: Lanes>(lanes: L, values: L::F) -> L::F {
+    lanes.max(values, lanes.sub(lanes.splat(0.0), values))
+}
+
+/// Whether all numbers are the same, to the bit.
+#[inline(always)]
+fn is_same(rows: &[Row; GROUPS]) -> bool {
+    let first = rows[0][0].to_bits();
+    let mut differing = 0;
+    for row in rows {
+        for value in row {
+            differing |= value.to_bits() ^ first;
+        }
+    }
+    differing == 0
+}
+
+/// Row `i` has what lane `i` of each row had.
+#[inline(always)]
+fn transposed<L: Lanes>(lanes: L, rows: &[Row; GROUPS]) -> [L::F; GROUPS] {
+    let [a, b, c, d, e, f, g, h] = rows;
+    lanes.transpose([
+        lanes.load(a),
+        lanes.load(b),
+        lanes.load(c),
+        lanes.load(d),
+        lanes.load(e),
+        lanes.load(f),
+        lanes.load(g),
+        lanes.load(h),
+    ])
 }

@@ -23,6 +23,8 @@ pub(crate) trait Lanes: Copy {
     /// Lanes with `a < b`.
     fn lt(self, a: Self::F, b: Self::F) -> u32;
 
+    /// Eight registers whose lane `i` becomes lanes of register `i`.
+    fn transpose(self, rows: [Self::F; WIDTH]) -> [Self::F; WIDTH];
     /// Asks for the memory of a value that is read soon; nothing else happens.
     fn prefetch<T>(self, value: &T);
 

@@ -73,6 +73,11 @@ impl Lanes for Portable {
     }
 
     #[inline(always)]
+    fn transpose(self, rows: [Self::F; WIDTH]) -> [Self::F; WIDTH] {
+        from_fn(|row| from_fn(|lane| rows[lane][row]))
+    }
+
+    #[inline(always)]
     fn prefetch<T>(self, _: &T) {}
 
     /// Insertion sort: most nodes have one to three children on a ray.

@@ -8,8 +8,9 @@ use std::arch::x86_64::{
     _mm256_blend_epi32, _mm256_castps_si256, _mm256_cmp_ps, _mm256_cmp_ps_mask, _mm256_cmpeq_epi32,
     _mm256_div_ps, _mm256_loadu_ps, _mm256_loadu_si256, _mm256_mask_blend_epi32, _mm256_max_epu32,
     _mm256_max_ps, _mm256_min_epu32, _mm256_min_ps, _mm256_movemask_ps, _mm256_mul_ps, _mm256_or_si256,
-    _mm256_permutevar8x32_epi32, _mm256_set1_epi32, _mm256_set1_ps, _mm256_setr_epi32, _mm256_shuffle_epi32,
-    _mm256_storeu_ps, _mm256_storeu_si256, _mm256_sub_ps, _mm256_xor_si256,
+    _mm256_permute2f128_ps, _mm256_permutevar8x32_epi32, _mm256_set1_epi32, _mm256_set1_ps,
+    _mm256_setr_epi32, _mm256_shuffle_epi32, _mm256_shuffle_ps, _mm256_storeu_ps, _mm256_storeu_si256,
+    _mm256_sub_ps, _mm256_unpackhi_ps, _mm256_unpacklo_ps, _mm256_xor_si256,
 };
 
 use super::lanes::Lanes;
@@ -182,6 +183,11 @@ macro_rules! arithmetic {
         }
 
         #[inline(always)]
+        fn transpose(self, rows: [__m256; WIDTH]) -> [__m256; WIDTH] {
+            x86!(transpose(rows))
+        }
+
+        #[inline(always)]
         fn prefetch<T>(self, value: &T) {
             let start = std::ptr::from_ref(value).cast::<i8>();
             for line in 0..size_of::<T>().div_ceil(CACHE_LINE) {
@@ -279,4 +285,40 @@ fn sort(x: __m256i) -> __m256i {
     let x = exchange::<0b1111_0000>(x, reversed);
     let x = exchange::<0b1100_1100>(x, _mm256_shuffle_epi32::<0b01_00_11_10>(x));
     exchange::<0b1010_1010>(x, _mm256_shuffle_epi32::<0b10_11_00_01>(x))
+}
+
+/// An 8 × 8 matrix by its columns: pairs, quads, halves.
+#[inline]
+#[target_feature(enable = "avx")]
+fn transpose([a, b, c, d, e, f, g, h]: [__m256; WIDTH]) -> [__m256; WIDTH] {
+    let pairs = [
+        _mm256_unpacklo_ps(a, b),
+        _mm256_unpackhi_ps(a, b),
+        _mm256_unpacklo_ps(c, d),
+        _mm256_unpackhi_ps(c, d),
+        _mm256_unpacklo_ps(e, f),
+        _mm256_unpackhi_ps(e, f),
+        _mm256_unpacklo_ps(g, h),
+        _mm256_unpackhi_ps(g, h),
+    ];
+    let quads = [
+        _mm256_shuffle_ps::<0b01_00_01_00>(pairs[0], pairs[2]),
+        _mm256_shuffle_ps::<0b11_10_11_10>(pairs[0], pairs[2]),
+        _mm256_shuffle_ps::<0b01_00_01_00>(pairs[1], pairs[3]),
+        _mm256_shuffle_ps::<0b11_10_11_10>(pairs[1], pairs[3]),
+        _mm256_shuffle_ps::<0b01_00_01_00>(pairs[4], pairs[6]),
+        _mm256_shuffle_ps::<0b11_10_11_10>(pairs[4], pairs[6]),
+        _mm256_shuffle_ps::<0b01_00_01_00>(pairs[5], pairs[7]),
+        _mm256_shuffle_ps::<0b11_10_11_10>(pairs[5], pairs[7]),
+    ];
+    [
+        _mm256_permute2f128_ps::<0x20>(quads[0], quads[4]),
+        _mm256_permute2f128_ps::<0x20>(quads[1], quads[5]),
+        _mm256_permute2f128_ps::<0x20>(quads[2], quads[6]),
+        _mm256_permute2f128_ps::<0x20>(quads[3], quads[7]),
+        _mm256_permute2f128_ps::<0x31>(quads[0], quads[4]),
+        _mm256_permute2f128_ps::<0x31>(quads[1], quads[5]),
+        _mm256_permute2f128_ps::<0x31>(quads[2], quads[6]),
+        _mm256_permute2f128_ps::<0x31>(quads[3], quads[7]),
+    ]
 }
