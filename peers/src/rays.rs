@@ -15,10 +15,10 @@ use crate::{
     sheer::Sheer,
 };
 
-/// Whole tiles of 8 x 8 pixels.
-const SIZE: [u32; 2] = [480, 272];
+/// Whole tiles of 8 x 8 pixels, about the size at which whole frames are measured.
+const SIZE: [u32; 2] = [960, 544];
 /// With 16 rays a pixel that makes four times the rays of the other questions, not 16.
-const SAMPLES_SIZE: [u32; 2] = [240, 136];
+const SAMPLES_SIZE: [u32; 2] = [480, 272];
 /// Through a shadow ray less passes than a display of 8 bits shows.
 pub(crate) const LEAST_TRANSMITTANCE: f32 = 0.001;
 
