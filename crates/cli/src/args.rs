@@ -13,6 +13,7 @@ use sheer_core::{
     coverage::Correction,
     parameter::{Choice as _, split_name},
     text::MemorySize,
+    suggestion::suggestion,
 };
 use sheer_gpu::{AdapterChoice, GpuPathChoice};
 use sheer_image::{Region, ToneCurve, read_whole, unit_from_u8};
@@ -695,7 +696,7 @@ impl FromStr for BackendChoice {
     fn from_str(text: &str) -> Result<Self, String> {
         Self::all().find_map(|(name, choice)| (name == text).then_some(choice)).ok_or_else(|| {
             let names: Vec<&str> = Self::all().map(|(name, _)| name).collect();
-            format!("there are: {}", names.join(", "))
+            format!("there are: {}{}", names.join(", "), suggestion(text, names.iter().copied()))
         })
     }
 }
@@ -780,7 +781,10 @@ fn environment(text: &str) -> Result<EnvironmentChoice, String> {
         return Ok(EnvironmentChoice::File(path));
     }
     let described = NAMED.map(|NamedEnvironment { name, what, .. }| format!("{name} ({what})")).join(", ");
-    Err(format!("there are {SCENE_ENVIRONMENT} (the scene's own), {described}, and .hdr and .exr files"))
+    let nearest = suggestion(text, iter::once(SCENE_ENVIRONMENT).chain(NAMED.iter().map(|named| named.name)));
+    Err(format!(
+        "there are {SCENE_ENVIRONMENT} (the scene's own), {described}, and .hdr and .exr files{nearest}"
+    ))
 }
 
 fn strength(text: &str) -> Result<f32, String> {
@@ -794,7 +798,9 @@ fn seconds(text: &str) -> Result<f32, String> {
 }
 
 fn tone_curve(text: &str) -> Result<ToneCurve, String> {
-    ToneCurve::from_word(text).ok_or_else(|| format!("there are: {}", ToneCurve::WORDS.join(", ")))
+    let words = ToneCurve::WORDS;
+    let described = || format!("there are: {}{}", words.join(", "), suggestion(text, words.iter().copied()));
+    ToneCurve::from_word(text).ok_or_else(described)
 }
 
 fn exposure(text: &str) -> Result<f32, String> {

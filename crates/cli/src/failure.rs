@@ -107,7 +107,7 @@ fn is_misuse_of_renderer(error: &RenderError) -> bool {
 
 fn is_misuse_of_gallery(error: &GalleryError) -> bool {
     match error {
-        GalleryError::Unknown(_) | GalleryError::Parameter { .. } => true,
+        GalleryError::Unknown { .. } | GalleryError::Parameter { .. } => true,
         GalleryError::Load(file) => {
             matches!(file, LoadError::UnknownFormat { .. } | LoadError::NoChoice { .. })
         }

@@ -11,6 +11,7 @@ pub mod parameter;
 pub mod spatio_temporal;
 #[cfg(test)]
 mod spectrum;
+pub mod suggestion;
 pub mod text;
 pub mod threshold_map;
 mod void_and_cluster;

@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use crate::suggestion::suggestion;
+
 /// One parameter of a scene or a method.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ParameterInfo {
@@ -162,10 +164,16 @@ impl Values {
                 let allowed: Vec<_> =
                     known.iter().map(|known| format!("{} ({})", known.key, known.range)).collect();
                 let allowed = if allowed.is_empty() { "none".to_owned() } else { allowed.join(", ") };
-                format!("there is no parameter '{key}'; it takes {allowed}")
+                let nearest = suggestion(key, known.iter().map(|known| known.key));
+                format!("there is no parameter '{key}'; it takes {allowed}{nearest}")
             })?;
             if !parameter.range.holds(value) {
-                return Err(format!("{key}={value} is not in {}", parameter.range));
+                let words = match parameter.range {
+                    ParameterRange::Choice(words) => words,
+                    ParameterRange::Count(..) | ParameterRange::Real(..) => &[],
+                };
+                let nearest = suggestion(value, words.iter().copied());
+                return Err(format!("{key}={value} is not in {}{nearest}", parameter.range));
             }
             if given.iter().any(|(earlier, _)| *earlier == key) {
                 return Err(format!("{key} is given twice"));
@@ -261,7 +269,8 @@ mod tests {
     #[test]
     fn each_slip_is_named_with_what_is_allowed() {
         let problem = |settings| Values::parse(KNOWN, settings).unwrap_err();
-        assert!(problem("cuont=3").contains("count (1..=8), hash (pcg|mcguire)"));
+        assert!(problem("cuont=3").ends_with("count (1..=8), hash (pcg|mcguire); the nearest is 'count'"));
+        assert_eq!(problem("hash=mcgiure"), "hash=mcgiure is not in pcg|mcguire; the nearest is 'mcguire'");
         assert_eq!(problem("count=9"), "count=9 is not in 1..=8");
         assert_eq!(problem("count"), "'count' is not KEY=VALUE");
         assert_eq!(problem("count=1,count=2"), "count is given twice");

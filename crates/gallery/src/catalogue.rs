@@ -1,6 +1,9 @@
 //! The catalogue: what built-in scenes there are, and how one is built from its text.
 
-use sheer_core::parameter::{ParameterInfo, Values, split_name};
+use sheer_core::{
+    parameter::{ParameterInfo, Values, split_name},
+    suggestion::suggestion,
+};
 use sheer_scene::{Scene, SceneError};
 
 use crate::{
@@ -98,6 +101,12 @@ pub(crate) fn is_builtin(text: &str) -> bool {
     catalogue().iter().any(|info| info.name == name)
 }
 
+/// What to say of a text that no scene has for its name.
+pub(crate) fn unknown(text: &str) -> GalleryError {
+    let suggestion = suggestion(split_name(text).0, catalogue().iter().map(|info| info.name));
+    GalleryError::Unknown { text: text.to_owned(), suggestion }
+}
+
 /// Builds a scene from `name` or `name:key=value,key=value`.
 ///
 /// # Errors
@@ -105,10 +114,7 @@ pub(crate) fn is_builtin(text: &str) -> bool {
 /// key or a value is off.
 pub fn build(text: &str) -> Result<Scene, GalleryError> {
     let (name, settings) = split_name(text);
-    let info = catalogue()
-        .iter()
-        .find(|info| info.name == name)
-        .ok_or_else(|| GalleryError::Unknown(text.to_owned()))?;
+    let info = catalogue().iter().find(|info| info.name == name).ok_or_else(|| unknown(text))?;
     let values = Values::parse(info.parameters, settings)
         .map_err(|problem| GalleryError::Parameter { scene: info.name.to_owned(), problem })?;
     Ok((info.build)(&values)?)
@@ -169,7 +175,7 @@ mod tests {
 
     #[test]
     fn wrong_parameters_are_refused_with_what_is_allowed() {
-        assert!(matches!(build("smoke"), Err(GalleryError::Unknown(text)) if text == "smoke"));
+        assert!(matches!(build("smoke"), Err(GalleryError::Unknown { text, .. }) if text == "smoke"));
         for (text, says) in [
             ("layers:count=0", "count=0 is not in 1..=64"),
             ("layers:alpha=1.5", "0.0..=1.0"),

@@ -8,10 +8,15 @@ use sheer_scene::SceneError;
 pub enum GalleryError {
     /// Neither a built-in scene nor a file with a known extension.
     #[error(
-        "'{0}' is neither a built-in scene nor a {endings} file; `sheer scenes` lists the built-in ones",
+        "'{text}' is neither a built-in scene nor a {endings} file; `sheer scenes` lists the built-in ones{suggestion}",
         endings = sheer_load::endings()
     )]
-    Unknown(String),
+    Unknown {
+        /// What was asked for.
+        text: String,
+        /// The built-in scene that is nearest to it, in words; empty where none is near.
+        suggestion: String,
+    },
     /// A parameter of a built-in scene is unknown, out of range or given twice.
     #[error("scene '{scene}': {problem}; `sheer scenes` lists the parameters")]
     Parameter {

@@ -5,7 +5,7 @@ use std::path::Path;
 use sheer_load::{Contents, LoadError, LoadOptions, Loaded};
 
 use crate::{
-    catalogue::{build, is_builtin},
+    catalogue::{build, is_builtin, unknown},
     error::GalleryError,
 };
 
@@ -28,7 +28,7 @@ pub fn open_with(text: &str, options: &LoadOptions) -> Result<Loaded, GalleryErr
         return Ok(Loaded { scene: build(text)?, warnings: Vec::new(), contents: Contents::default() });
     }
     sheer_load::open_with(text, options).map_err(|error| match error {
-        LoadError::UnknownFormat { .. } => GalleryError::Unknown(text.to_owned()),
+        LoadError::UnknownFormat { .. } => unknown(text),
         other => other.into(),
     })
 }
@@ -45,6 +45,7 @@ mod tests {
         for neither in ["layer", "layers.gltf.txt", ""] {
             let error = open(neither).unwrap_err().to_string();
             assert!(error.contains("neither a built-in scene nor a .gltf, .glb, .obj, "), "{error}");
+            assert_eq!(error.contains("the nearest is 'layers'"), neither == "layer", "{error}");
         }
     }
 }

@@ -2,7 +2,10 @@
 
 use std::{fmt, str::FromStr};
 
-use sheer_core::parameter::{ParameterInfo, ParameterRange, Values, split_name};
+use sheer_core::{
+    parameter::{ParameterInfo, ParameterRange, Values, split_name},
+    suggestion::suggestion,
+};
 
 use crate::LabError;
 
@@ -61,8 +64,9 @@ impl FromStr for Reference {
             SAME => values(&[]).map(|_| Self::Same),
             TRUTH => values(&[SAMPLES]).map(|values| Self::Truth { samples: values.count(SAMPLES.key) }),
             _ => Err(LabError::Misuse(format!(
-                "there is no reference '{name}'; there are: {SAME}, {TRUTH}, {TRUTH}:{}=N",
-                SAMPLES.key
+                "there is no reference '{name}'; there are: {SAME}, {TRUTH}, {TRUTH}:{}=N{}",
+                SAMPLES.key,
+                suggestion(name, [SAME, TRUTH])
             ))),
         }
     }

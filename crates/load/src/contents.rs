@@ -1,7 +1,7 @@
 //! What a file holds besides the scene that was made of it: what there is to choose from, and what becomes of
 //! its extensions.
 
-use sheer_core::text::quoted;
+use sheer_core::{suggestion::suggestion, text::quoted};
 
 /// What a file holds; all empty for formats that have no such things.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -49,7 +49,7 @@ pub struct Clip {
 pub(super) fn chosen(wanted: &str, names: &[&str]) -> Result<usize, String> {
     let by_name = names.iter().position(|name| *name == wanted && !name.is_empty());
     let by_number = || wanted.parse().ok().filter(|&number: &usize| number < names.len());
-    by_name.or_else(by_number).ok_or_else(|| listed(names))
+    by_name.or_else(by_number).ok_or_else(|| listed(names) + &suggestion(wanted, names.iter().copied()))
 }
 
 /// What there is, for messages: numbers and names.
@@ -77,6 +77,8 @@ mod tests {
         assert_eq!(chosen("0", &names), Ok(2), "it is a name");
         assert_eq!(chosen("1", &names), Ok(1));
         assert_eq!(chosen("4", &names), Err("it has 0 'Walk', 1, 2 '0', 3 'Walk'".to_owned()));
+        let slip = "it has 0 'Walk', 1, 2 '0', 3 'Walk'; the nearest is 'Walk'".to_owned();
+        assert_eq!(chosen("wlak", &names), Err(slip));
         assert_eq!(chosen("", &[""]), Err("it has 0".to_owned()));
         assert_eq!(chosen("Walk", &[]), Err("it has none".to_owned()));
         let many = vec!["x"; 50];

@@ -1,5 +1,7 @@
 //! What can be wrong with a scene.
 
+use sheer_core::suggestion::suggestion;
+
 /// Why there is no scene, or no such part of it. Each message says where the fault is.
 #[derive(Debug, thiserror::Error)]
 pub enum SceneError {
@@ -14,7 +16,7 @@ pub enum SceneError {
         problem: String,
     },
     /// The asked-for camera is not there.
-    #[error("scene '{scene}' has no camera '{wanted}'; it has: {available}")]
+    #[error("scene '{scene}' has no camera '{wanted}'; it has: {available}{}", suggestion(.wanted, .available.split(", ")))]
     NoCamera {
         /// Name of the scene.
         scene: String,

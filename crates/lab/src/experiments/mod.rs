@@ -4,6 +4,7 @@
 //! claimed and whether it holds, tables, charts, pictures. Nothing fails where a claim does not hold: that is
 //! a finding.
 
+use sheer_core::suggestion::suggestion;
 use sheer_render::Backend;
 
 use crate::{LabError, Result};
@@ -204,8 +205,10 @@ impl<B: Backend + 'static> Experiment<B> {
         }
         let find = |name: &String| {
             Self::ALL.iter().find(|experiment| experiment.id == name).ok_or_else(|| {
-                let known = Self::ALL.iter().map(|experiment| experiment.id).collect::<Vec<_>>().join(", ");
-                LabError::Misuse(format!("there is no experiment '{name}'; there are: {known}"))
+                let known: Vec<&str> = Self::ALL.iter().map(|experiment| experiment.id).collect();
+                let nearest = suggestion(name, known.iter().copied());
+                let known = known.join(", ");
+                LabError::Misuse(format!("there is no experiment '{name}'; there are: {known}{nearest}"))
             })
         };
         names.iter().map(find).collect()

@@ -7,6 +7,7 @@ use ::std::{fmt, str::FromStr};
 use sheer_core::{
     coverage::Correction,
     parameter::{ParameterInfo, ParameterRange, Values, split_name},
+    suggestion::suggestion,
 };
 
 use crate::contract::{
@@ -18,7 +19,7 @@ use crate::contract::{
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum MethodError {
     /// No method has that name.
-    #[error("there is no method '{name}'; there are: {known}")]
+    #[error("there is no method '{name}'; there are: {known}{}", suggestion(.name, .known.split(", ")))]
     Unknown {
         /// What was asked for.
         name: String,

@@ -11,6 +11,7 @@ use glam::Vec3;
 use sheer_core::{
     hash::pcg3d,
     parameter::{Values, split_name},
+    suggestion::suggestion,
 };
 use sheer_scene::FrameLight;
 
@@ -32,7 +33,7 @@ pub mod visibility;
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ShadowError {
     /// No technique has that name.
-    #[error("there is no shadow technique '{name}'; there are: {known}")]
+    #[error("there is no shadow technique '{name}'; there are: {known}{}", suggestion(.name, .known.split(", ")))]
     Unknown {
         /// What was asked for.
         name: String,

@@ -5,7 +5,10 @@
 use std::{fmt, str::FromStr};
 
 use glam::Vec2;
-use sheer_core::parameter::{Values, split_name};
+use sheer_core::{
+    parameter::{Values, split_name},
+    suggestion::suggestion,
+};
 use sheer_image::{ImageError, Planes};
 
 pub use self::technique::AntialiasingInfo;
@@ -28,7 +31,7 @@ mod technique;
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum AntialiasingError {
     /// No technique has that name.
-    #[error("there is no anti-aliasing '{name}'; there are: {known}")]
+    #[error("there is no anti-aliasing '{name}'; there are: {known}{}", suggestion(.name, .known.split(", ")))]
     Unknown {
         /// What was asked for.
         name: String,
