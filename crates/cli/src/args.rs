@@ -108,9 +108,11 @@ pub(crate) struct RenderArguments {
     #[arg(short = 'a', long = "aa", value_name = "AA", default_value = "layered")]
     pub(crate) antialiasing: Antialiasing,
     /// .png (sRGB, straight alpha) or .exr (linear, with depth, motion, ids, the mask of transparent pixels,
-    /// and layers under `-a layered`); `####` or `%04d` in its name: every frame.
+    /// and layers under `-a layered`); `####` or `%04d` in its name: every frame. .mp4 or .webm: a video of
+    /// all frames, which an installed ffmpeg makes.
     ///
-    /// sheer-out/SCENE.png if not given, .exr with --raw.
+    /// sheer-out/SCENE.png if not given, .exr with --raw. A .webm keeps what --background none leaves
+    /// transparent.
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
     /// Write each frame as it was rendered, not added up: its one sample a pixel, the layers of methods that

@@ -23,6 +23,7 @@ mod schedule;
 mod setup;
 mod version;
 
+mod video;
 fn main() -> ExitCode {
     output::finish_writing_when_interrupted();
     sheer_core::caught_panic::silence();

@@ -15,7 +15,7 @@ use sheer_core::text::{MemorySize, quoted};
 
 use crate::{
     allocator::{self, Shortage},
-    output,
+    output, video,
 };
 
 /// What may be taken of free memory if the user says nothing, in quarters: the rest is for others, and for
@@ -73,6 +73,7 @@ fn end(shortage: Shortage, asked_for: usize) -> ! {
         Shortage::System => "the system has no memory left; end other programs".to_owned(),
     };
     output::wait_for_writing();
+    let _nobody_misses_the_encoder = video::abandon();
     let mut stderr = io::stderr();
     // The bar of a terminal stays, above the message.
     let line = if stderr.is_terminal() { "\n" } else { "" };

@@ -16,6 +16,11 @@ use sheer_image::{
     write_whole,
 };
 
+use crate::{
+    failure::Misuse,
+    video::{self, VideoFormat},
+};
+
 /// The folder of outputs that were not named.
 pub(crate) const FOLDER: &str = "sheer-out";
 
@@ -32,6 +37,7 @@ fn writing() -> MutexGuard<'static, ()> {
 pub(crate) fn finish_writing_when_interrupted() {
     let interrupted = || {
         let _files_are_whole = writing();
+        let _nobody_misses_the_encoder = video::abandon();
         // 128 + SIGINT, as shells report it.
         process::exit(130);
     };
@@ -69,15 +75,7 @@ impl<'a> TextOutput<'a> {
     /// Finds out whether it can be written.
     pub(crate) fn open(path: &'a Path) -> anyhow::Result<Self> {
         if path != Path::new("-") {
-            let _interruptions_wait = writing();
-            // The check knows pixel files only; what it finds out about their folder holds for any file.
-            match check_writable(&path.with_extension("png")) {
-                Ok(_) | Err(ImageError::IsFolder { .. }) => {}
-                Err(error) => return Err(error.into()),
-            }
-            if path.is_dir() {
-                return Err(ImageError::IsFolder { path: path.to_owned() }.into());
-            }
+            check_file(path)?;
         }
         Ok(Self(path))
     }
@@ -97,6 +95,20 @@ impl<'a> TextOutput<'a> {
     }
 }
 
+/// Finds out whether a file of any kind can be written.
+fn check_file(path: &Path) -> anyhow::Result<()> {
+    let _interruptions_wait = writing();
+    // The check knows pixel files only; what it finds out about their folder holds for any file.
+    match check_writable(&path.with_extension("png")) {
+        Ok(_) | Err(ImageError::IsFolder { .. }) => {}
+        Err(error) => return Err(error.into()),
+    }
+    if path.is_dir() {
+        return Err(ImageError::IsFolder { path: path.to_owned() }.into());
+    }
+    Ok(())
+}
+
 /// Writes a file whole.
 pub(crate) fn write_file(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
     let _interruptions_wait = writing();
@@ -105,18 +117,24 @@ pub(crate) fn write_file(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
 
 /// Makes a folder, if need be, that accepts files.
 pub(crate) fn open_folder(folder: &Path) -> anyhow::Result<()> {
-    fs::create_dir_all(folder)
-        .with_context(|| format!("cannot make the folder {}: choose another with -o", folder.display()))?;
+    make_folder(folder)?;
     let _interruptions_wait = writing();
     check_writable(&folder.join("probe.png"))?;
     Ok(())
 }
 
-/// A picture file, or one for each frame.
+fn make_folder(folder: &Path) -> anyhow::Result<()> {
+    fs::create_dir_all(folder)
+        .with_context(|| format!("cannot make the folder {}: choose another with -o", folder.display()))
+}
+
+/// A picture file, one for each frame, or a video.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum PictureOutput {
-    /// One file.
+    /// One file of one picture.
     Single(PathBuf),
+    /// One file of all frames.
+    Video(VideoFormat, PathBuf),
     /// Numbered files: what stands before the number, its least number of digits, what stands after it.
     Sequence {
         /// Folder and beginning of the name.
@@ -131,7 +149,10 @@ pub(crate) enum PictureOutput {
 impl PictureOutput {
     /// Reads `####` or `%04d` in the file name as where the number of the frame goes.
     pub(crate) fn from_path(path: &Path) -> Self {
-        let single = || Self::Single(path.to_owned());
+        let single = || match VideoFormat::from_path(path) {
+            Some(format) => Self::Video(format, path.to_owned()),
+            None => Self::Single(path.to_owned()),
+        };
         let Some(text) = path.to_str() else { return single() };
         let name_at = text.rfind('/').map_or(0, |slash| slash + 1);
         let number = hashes(&text[name_at..]).or_else(|| percent(&text[name_at..]));
@@ -143,7 +164,7 @@ impl PictureOutput {
     /// The file of a frame.
     pub(crate) fn path(&self, frame: u32) -> PathBuf {
         match self {
-            Self::Single(path) => path.clone(),
+            Self::Single(path) | Self::Video(_, path) => path.clone(),
             Self::Sequence { before, digits, after } => {
                 // A width of the formatter has 16 bits, a name as many places as the user likes.
                 let number = frame.to_string();
@@ -153,11 +174,38 @@ impl PictureOutput {
         }
     }
 
-    /// Finds out whether the frames can be written, and in which format: their folder and ending are the same
-    /// for all, so the first one tells.
-    pub(crate) fn check(&self, first_frame: u32) -> anyhow::Result<FileFormat> {
+    /// Whether every frame is in it, and not the last one alone.
+    pub(crate) fn has_all_frames(&self) -> bool {
+        !matches!(self, Self::Single(_))
+    }
+
+    /// Whether frames are written as a display shows them, not in linear light.
+    pub(crate) fn is_displayed(&self) -> bool {
+        match self {
+            Self::Video(..) => true,
+            _ => matches!(FileFormat::from_path(&self.path(0)), Ok(FileFormat::Png)),
+        }
+    }
+
+    /// Finds out whether the frames can be written. The folder of a sequence is made if need be; it and the
+    /// ending are the same for all frames, so the first one tells.
+    pub(crate) fn check(&self, first_frame: u32) -> anyhow::Result<()> {
+        let path = self.path(first_frame);
+        if let Self::Video(..) = self {
+            return check_file(&path);
+        }
+        if let Self::Sequence { .. } = self {
+            if VideoFormat::from_path(&path).is_some() {
+                let problem =
+                    "a video has all frames in one file; leave the place of a number out of its name";
+                return Err(Misuse(format!("{}: {problem}", path.display())).into());
+            }
+            FileFormat::from_path(&path)?;
+            make_folder(path.parent().unwrap_or(Path::new("")))?;
+        }
         let _interruptions_wait = writing();
-        Ok(check_writable(&self.path(first_frame))?)
+        check_writable(&path)?;
+        Ok(())
     }
 
     /// Writes the file of a frame.

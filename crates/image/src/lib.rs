@@ -33,4 +33,4 @@ pub use png_file::{encode_png, read_png, write_png};
 pub use raster::Image;
 pub use region::Region;
 pub use tone::{DisplayShare, Tone, ToneCurve, display, display_over_black, u8_from_unit, unit_from_u8};
-pub use whole_file::{read_whole, write_whole};
+pub use whole_file::{read_whole, temporary_beside, write_whole};

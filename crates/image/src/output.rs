@@ -2,8 +2,6 @@
 
 use std::path::Path;
 
-use sheer_core::parameter::Choice as _;
-
 use crate::{
     error::ImageError,
     exr_file::encode_exr_piece,
@@ -72,10 +70,7 @@ pub fn write_frame(
 ) -> Result<(), ImageError> {
     let metadata = piece.described(metadata.clone());
     match FileFormat::from_path(path)? {
-        FileFormat::Png => {
-            let metadata = metadata.with("tone", tone.curve.word()).with("exposure_ev", tone.exposure_ev);
-            write_png(path, &planes.colour, tone, share, &metadata)
-        }
+        FileFormat::Png => write_png(path, &planes.colour, tone, share, &tone.described(metadata)),
         FileFormat::Exr => {
             let share = if piece.is_whole() { &DisplayShare::Nothing } else { share };
             write_whole(path, &encode_exr_piece(planes, piece, share, &metadata)?)

@@ -45,7 +45,8 @@ impl Piece {
     }
 
     /// The metadata of a picture with those that make a file a piece of it.
-    pub(crate) fn described(&self, metadata: Metadata) -> Metadata {
+    #[must_use]
+    pub fn described(&self, metadata: Metadata) -> Metadata {
         let mut metadata = metadata.with(Self::SIZE, Self::size_text(self.picture));
         if self.region != Region::whole(self.picture) {
             metadata = metadata.with(Self::CROP, self.region);

@@ -26,9 +26,10 @@ use rayon::prelude::*;
 use sheer_core::{
     choice,
     colour::{Premul, srgb_from_linear},
+    parameter::Choice as _,
 };
 
-use crate::Image;
+use crate::{Image, Metadata};
 
 choice! {
     /// How scene-referred light is brought into the range of a display.
@@ -124,6 +125,12 @@ impl Tone {
         }
         let as_it_is = ToneCurve::None.apply(rgb);
         if share >= 1.0 { as_it_is } else { toned().lerp(as_it_is, share) }
+    }
+
+    /// The metadata of a picture with how it is displayed: the curve as `tone`, stops as `exposure_ev`.
+    #[must_use]
+    pub fn described(self, metadata: Metadata) -> Metadata {
+        metadata.with("tone", self.curve.word()).with("exposure_ev", self.exposure_ev)
     }
 }
 
@@ -265,7 +272,7 @@ fn shown<T: Send>(
 
 #[cfg(test)]
 mod tests {
-    use sheer_core::{colour::linear_from_srgb, parameter::Choice as _};
+    use sheer_core::colour::linear_from_srgb;
 
     use super::*;
 

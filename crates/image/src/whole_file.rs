@@ -53,8 +53,12 @@ pub fn read_whole(path: &Path, most_bytes: u64) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// An empty file in the folder of `path` that vanishes unless it is persisted.
-pub(crate) fn temporary_beside(path: &Path) -> Result<tempfile::NamedTempFile, ImageError> {
+/// An empty file in the folder of `path`, to take its name when it is whole: it vanishes unless it is
+/// persisted.
+///
+/// # Errors
+/// [`ImageError::MissingFolder`], or [`ImageError::Write`] if the folder accepts no new file.
+pub fn temporary_beside(path: &Path) -> Result<tempfile::NamedTempFile, ImageError> {
     let folder = match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),

@@ -8,10 +8,10 @@ use std::{
 };
 
 use anyhow::bail;
-use sheer_image::{DisplayShare, FileFormat, Metadata, Piece, Region, SampleRange};
+use sheer_image::{DisplayShare, ImageError, Metadata, Piece, Region, SampleRange, display};
 use sheer_lab::{Event, Exposure, LabError, Progress as _, Tally, Timeline, play};
 use sheer_render::{
-    Antialiasing, Backend, Clock, Settings,
+    Antialiasing, Backend, Background, Clock, Settings,
     temporal::{jitter, margin_px},
 };
 
@@ -23,6 +23,7 @@ use crate::{
     output::{self, PictureOutput},
     schedule::{Memory, Stretch, stretches},
     setup::{self, Opened, View},
+    video::{Video, VideoFormat, VideoStream},
 };
 
 pub(crate) fn run(arguments: &RenderArguments) -> anyhow::Result<()> {
@@ -48,7 +49,6 @@ struct Plan {
     exposure: Option<Exposure>,
     path: PathBuf,
     output: PictureOutput,
-    format: FileFormat,
     frames: Range<u32>,
     memory: Memory,
 }
@@ -56,7 +56,7 @@ struct Plan {
 fn render<B: Backend>(arguments: &RenderArguments, backend: &B) -> anyhow::Result<()> {
     let console = arguments.machine.apply()?;
     let plan = Plan::of(arguments)?;
-    let Plan { settings, piece, antialiasing, ref output, .. } = plan;
+    let Plan { settings, piece, antialiasing, .. } = plan;
     let stretches = plan.stretches(arguments.skip_existing);
     let written: usize = stretches.iter().map(|stretch| stretch.written.len()).sum();
     if written == 0 {
@@ -65,17 +65,18 @@ fn render<B: Backend>(arguments: &RenderArguments, backend: &B) -> anyhow::Resul
     }
     plan.warn_of_cold_start(&stretches, console);
 
+    let metadata = setup::metadata(backend, &arguments.scene, &arguments.method, antialiasing, &settings);
+    let metadata = plan.metadata(metadata);
+    // What is missing for a video is said before a scene is opened, which may take its time.
+    let video = plan.start_video(&metadata)?;
     let opened = arguments.scene.open(backend, settings.size, arguments.machine, console)?;
     let Opened { mut stage, view } = opened;
-    let metadata = setup::metadata(backend, &arguments.scene, &arguments.method, antialiasing, &settings);
-    let mut frames = Frames {
-        backend,
-        plan: &plan,
-        metadata: plan.metadata(metadata, &view),
-        view,
-        tally: Tally::default(),
-        bar: console.bar(),
+    let metadata = match plan.output.is_displayed() {
+        true => metadata,
+        false => metadata.with("scene_hash", view.scene_hash()),
     };
+    let bar = console.bar();
+    let mut frames = Frames { backend, plan: &plan, metadata, view, video, tally: Tally::default(), bar };
     for (at, stretch) in stretches.iter().enumerate() {
         // Pipelines count frames from the first that they render.
         let settings = match plan.exposure {
@@ -92,8 +93,9 @@ fn render<B: Backend>(arguments: &RenderArguments, backend: &B) -> anyhow::Resul
             None => frames.play(&mut stage, &mut pipeline, &settings, stretch)?,
         }
     }
-    let Frames { tally, bar, .. } = frames;
+    let Frames { tally, bar, video, .. } = frames;
     drop(bar);
+    video.map(Video::finish).transpose()?;
     // A part of a picture may well be empty.
     if tally.shaded() == 0.0 && arguments.crop.is_none() {
         console.warn(format_args!(
@@ -108,10 +110,7 @@ fn render<B: Backend>(arguments: &RenderArguments, backend: &B) -> anyhow::Resul
         Some(Region { width: columns, height: rows, .. }) => format!("{columns}x{rows} of {width}x{height}"),
         None => format!("{width}x{height}"),
     };
-    let count = match output {
-        PictureOutput::Single(_) => plan.frames.len(),
-        PictureOutput::Sequence { .. } => written,
-    };
+    let count = if plan.output.has_all_frames() { written } else { plan.frames.len() };
     let (what, of) = match plan.exposure {
         Some(Exposure { samples, .. }) => (format!("{samples} samples"), "sample"),
         None => (antialiasing.to_string(), "frame"),
@@ -139,9 +138,9 @@ impl Plan {
 
         let path = output_path(arguments)?;
         let output = PictureOutput::from_path(&path);
-        let is_sequence = matches!(output, PictureOutput::Sequence { .. });
-        let format = output.check(settings.first_frame)?;
-        if settings.raw && format != FileFormat::Exr {
+        let is_sequence = output.has_all_frames();
+        output.check(settings.first_frame).map_err(with_video_endings)?;
+        if settings.raw && output.is_displayed() {
             bail!("{}: --raw writes .exr files alone, give the output that ending", path.display());
         }
 
@@ -175,8 +174,22 @@ impl Plan {
         let crop = arguments.crop.map(|crop| crop.grown(margin, picture));
         let region = arguments.crop.unwrap_or(Region::whole(picture));
         let piece = Piece { picture, region, samples };
+        if let PictureOutput::Video(VideoFormat::Mp4, _) = output {
+            check_mp4(&piece, settings.background)?;
+        }
         let settings = Settings { crop, ..settings };
-        Ok(Self { settings, piece, margin, antialiasing, exposure, path, output, format, frames, memory })
+        Ok(Self { settings, piece, margin, antialiasing, exposure, path, output, frames, memory })
+    }
+
+    /// Begins the video, if the output is one.
+    fn start_video(&self, metadata: &Metadata) -> anyhow::Result<Option<Video<'_>>> {
+        let PictureOutput::Video(format, ref path) = self.output else { return Ok(None) };
+        let Settings { frames_per_sec, background, tone, .. } = self.settings;
+        let size = self.piece.region.size();
+        let has_alpha = background == Background::None;
+        let metadata = tone.described(self.piece.described(metadata.clone()));
+        let stream = VideoStream { format, size, frames_per_sec, has_alpha };
+        Ok(Some(Video::start(path, stream, &metadata)?))
     }
 
     /// The settings of a pipeline that begins with the first sample that is asked for; an exposure counts
@@ -200,7 +213,7 @@ impl Plan {
     /// The frames that are rendered and which of them are written.
     fn stretches(&self, skip_existing: bool) -> Vec<Stretch> {
         let last = self.frames.end - 1;
-        let is_sequence = matches!(self.output, PictureOutput::Sequence { .. });
+        let is_sequence = self.output.has_all_frames();
         stretches(self.frames.clone(), self.memory, |frame| {
             (is_sequence || frame == last) && !(skip_existing && self.output.path(frame).is_file())
         })
@@ -221,11 +234,7 @@ impl Plan {
     }
 
     /// What all frames have in common.
-    fn metadata(&self, metadata: Metadata, view: &View) -> Metadata {
-        let metadata = match self.format {
-            FileFormat::Png => metadata,
-            FileFormat::Exr => metadata.with("scene_hash", view.scene_hash()),
-        };
+    fn metadata(&self, metadata: Metadata) -> Metadata {
         let metadata = if self.margin > 0 && self.settings.crop.is_some() {
             metadata.with("margin", self.margin)
         } else {
@@ -264,12 +273,43 @@ impl Plan {
     }
 }
 
+/// The error where no picture file ends with what the user typed: videos are known to this command alone.
+fn with_video_endings(error: anyhow::Error) -> anyhow::Error {
+    match error.downcast_ref() {
+        Some(ImageError::UnknownExtension { path }) => Misuse(format!(
+            "cannot tell the format of {}: end its name with .png or .exr, or with .mp4 or .webm for a video",
+            path.display()
+        ))
+        .into(),
+        _ => error,
+    }
+}
+
+/// Refuses what H.264 with colour of half the resolution cannot hold, and players ask for no other.
+fn check_mp4(piece: &Piece, background: Background) -> Result<(), Misuse> {
+    if background == Background::None {
+        let problem = "an .mp4 holds no alpha: leave --background none out, or write a .webm";
+        return Err(Misuse(problem.to_owned()));
+    }
+    let [width, height] = piece.region.size();
+    let [even_width, even_height] = [width, height].map(|side| side.next_multiple_of(2));
+    if [width, height] == [even_width, even_height] {
+        return Ok(());
+    }
+    let option = if piece.region == Region::whole(piece.picture) { "--size" } else { "--crop" };
+    Err(Misuse(format!(
+        "an .mp4 has even sides, and {option} asks for {width}x{height} pixels: make that {even_width}x{even_height}, or write a .webm"
+    )))
+}
+
 /// Renders frames and writes them as they come, so that an interrupted sequence keeps those that it has.
 struct Frames<'p, B> {
     backend: &'p B,
     plan: &'p Plan,
     metadata: Metadata,
     view: View,
+    /// Where the output is one.
+    video: Option<Video<'p>>,
     tally: Tally,
     bar: Bar,
 }
@@ -323,13 +363,13 @@ impl<B: Backend> Frames<'_, B> {
 
     /// Writes a frame if it is one to be written.
     fn write(
-        &self,
+        &mut self,
         stretch: &Stretch,
         frame: u32,
         pipeline: &B::Pipeline,
         stage: &B::Stage,
     ) -> sheer_lab::Result<()> {
-        let Self { backend, plan, .. } = *self;
+        let Self { backend, plan, ref mut video, .. } = *self;
         if stretch.written.binary_search(&frame).is_err() {
             return Ok(());
         }
@@ -340,12 +380,16 @@ impl<B: Backend> Frames<'_, B> {
         if rendered != piece.region {
             planes = Cow::Owned(planes.cut(piece.region.seen_from(&rendered))?);
         }
-        let share = if plan.format == FileFormat::Png || !piece.is_whole() {
+        let share = if plan.output.is_displayed() || !piece.is_whole() {
             let settings = Settings { crop: Some(piece.region), ..*settings };
             backend.display_share(stage, &settings, *antialiasing).map_err(failed)?
         } else {
             DisplayShare::Nothing
         };
+        if let Some(video) = video {
+            let added = video.add(&display(&planes.colour, settings.tone, &share));
+            return added.map_err(|error| LabError::Output(error.into()));
+        }
         let added_up = stretch.rendered.start..frame + 1;
         let metadata = plan.frame_metadata(self.metadata.clone(), added_up, &self.view);
         let written = plan.output.write(frame, &planes, piece, settings.tone, &share, &metadata);

@@ -19,3 +19,6 @@ mod run;
 mod sequence;
 mod usage;
 mod verify;
+// What stands in for ffmpeg is a script.
+#[cfg(unix)]
+mod video;

@@ -39,6 +39,17 @@ pub(crate) fn succeed(folder: &Path, arguments: &str) -> Outcome {
     outcome
 }
 
+/// Puts a script of a shell into the folder `bin`, by the name of a program that it stands in for.
+#[cfg(unix)]
+pub(crate) fn stand_in(folder: &Path, program: &str, script: &str) {
+    use std::os::unix::fs::PermissionsExt as _;
+    let bin = folder.join("bin");
+    fs::create_dir_all(&bin).unwrap();
+    let file = bin.join(program);
+    fs::write(&file, format!("#!/bin/sh\n{script}\n")).unwrap();
+    fs::set_permissions(&file, fs::Permissions::from_mode(0o755)).unwrap();
+}
+
 /// Names in a folder, sorted.
 pub(crate) fn names_in(folder: &Path) -> Vec<String> {
     let names = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
