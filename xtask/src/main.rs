@@ -9,6 +9,7 @@ mod binaries;
 mod driver;
 mod gallery;
 mod graph;
+mod man;
 mod peers;
 mod results;
 mod rules;
@@ -40,6 +41,8 @@ enum Task {
     /// Measure other tracers and renderers beside ours and write docs/performance.md: some minutes, on a
     /// machine that does nothing else.
     BenchPeers(peers::Peers),
+    /// Write the manual pages of the program, one a command.
+    Man(man::Man),
     /// Render every .gltf and .glb file below a folder and write a contact sheet.
     Gallery(gallery::Gallery),
 }
@@ -52,6 +55,7 @@ fn main() -> ExitCode {
         Task::Graph(graph) => graph.run(),
         Task::Results(results) => results.run(),
         Task::BenchPeers(peers) => peers.run(),
+        Task::Man(man) => man.run(),
         Task::Gallery(gallery) => gallery.run(),
     };
     match result {

@@ -7,13 +7,14 @@ use std::{
 };
 
 use clap::{Args, Parser, Subcommand, ValueEnum, builder::RangedU64ValueParser, value_parser};
+use clap_complete::Shell;
 use glam::Vec3;
 use sheer_core::{
     colour::linear_from_srgb,
     coverage::Correction,
     parameter::{Choice as _, split_name},
-    text::MemorySize,
     suggestion::suggestion,
+    text::MemorySize,
 };
 use sheer_gpu::{AdapterChoice, GpuPathChoice};
 use sheer_image::{Region, ToneCurve, read_whole, unit_from_u8};
@@ -67,6 +68,11 @@ pub(crate) enum Command {
     /// Check the papers' numbers and the methods' promises: closed form, printed, measured; or hold a GPU
     /// against the CPU.
     Verify(VerifyArguments),
+    /// Print what a shell needs to complete the command line.
+    Completions(CompletionsArguments),
+    /// Write the manual pages, one a command.
+    #[command(hide = true)]
+    Man(ManArguments),
 }
 
 #[derive(Args, Debug)]
@@ -361,6 +367,20 @@ pub(crate) struct VerifyArguments {
     pub(crate) backend: BackendArguments,
     #[command(flatten)]
     pub(crate) machine: MachineArguments,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct CompletionsArguments {
+    /// The shell.
+    #[arg(value_name = "SHELL", value_enum)]
+    pub(crate) shell: Shell,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct ManArguments {
+    /// Folder for the pages.
+    #[arg(value_name = "DIR")]
+    pub(crate) folder: PathBuf,
 }
 
 /// What is compared unless the user says: the methods of the STD paper, and our own.
@@ -827,14 +847,7 @@ fn background(text: &str) -> Result<Background, String> {
 
 #[cfg(test)]
 mod tests {
-    use clap::CommandFactory as _;
-
     use super::*;
-
-    #[test]
-    fn the_argument_table_is_consistent() {
-        Arguments::command().debug_assert();
-    }
 
     #[test]
     fn sizes_are_two_numbers_from_one_up() {

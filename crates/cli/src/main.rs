@@ -6,7 +6,7 @@
 use std::{env, process::ExitCode};
 
 use args::{Arguments, Command};
-use clap::Parser;
+use clap::FromArgMatches as _;
 
 mod allocator;
 mod args;
@@ -15,6 +15,7 @@ mod command;
 mod console;
 mod failure;
 mod graphics;
+mod help;
 mod input;
 mod memory;
 mod output;
@@ -22,8 +23,8 @@ mod report;
 mod schedule;
 mod setup;
 mod version;
-
 mod video;
+
 fn main() -> ExitCode {
     output::finish_writing_when_interrupted();
     sheer_core::caught_panic::silence();
@@ -31,7 +32,8 @@ fn main() -> ExitCode {
     if env::var_os("RUST_LOG").is_some() {
         env_logger::init();
     }
-    let outcome = match Arguments::try_parse() {
+    let parsed = help::parser().try_get_matches().and_then(|matches| Arguments::from_arg_matches(&matches));
+    let outcome = match parsed {
         Ok(arguments) => setup::check_environment().and_then(|()| run(&arguments.command)),
         Err(usage) => failure::from_usage(&usage),
     };
@@ -55,5 +57,7 @@ fn run(command: &Command) -> anyhow::Result<()> {
         Command::Calibrate(arguments) => command::calibrate::run(arguments),
         Command::Experiments(arguments) => command::experiments::run(arguments),
         Command::Verify(arguments) => command::verify::run(arguments),
+        Command::Completions(arguments) => command::completions::run(arguments),
+        Command::Man(arguments) => command::man::run(arguments),
     }
 }

@@ -5,6 +5,9 @@ mod calibrate;
 mod compare;
 mod experiments;
 mod gpu;
+// Examples are lines for a shell.
+#[cfg(unix)]
+mod help;
 mod hostile;
 mod inspect;
 mod interruption;

@@ -32,6 +32,7 @@ fn wrong_use_exits_with_2_and_one_line_that_says_what_there_is() {
         ("render layers --progress jsno", "'json'"),
         ("compare layers --reference turth", "the nearest is 'truth'"),
         ("experiments joitn", "the nearest is 'joint'"),
+        ("completions bsh", "'bash'"),
         ("render layers -a fxaa", "none, accumulate, taa"),
         ("render layers --size 0x9", "WIDTHxHEIGHT"),
         ("render layers --frames 0", "0"),
