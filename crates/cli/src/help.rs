@@ -7,12 +7,12 @@ use clap::CommandFactory as _;
 use crate::args::Arguments;
 
 /// A line that does something worth doing.
-struct Example {
+pub(crate) struct Example {
     /// What it does, in a few words.
-    what: &'static str,
+    pub(crate) what: &'static str,
     /// As it is typed, within 76 characters: a terminal of 80 shows it whole. `crates/cli/tests/cli/help.rs`
     /// reads it from the help and runs it, and has the files that it names.
-    line: &'static str,
+    pub(crate) line: &'static str,
 }
 
 const fn example(what: &'static str, line: &'static str) -> Example {
@@ -168,13 +168,15 @@ const EXAMPLES: &[(&str, [Example; 3])] = &[
 
 /// The command line with its help.
 pub(crate) fn parser() -> clap::Command {
-    Arguments::command().mut_subcommands(|command| {
-        let examples = EXAMPLES.iter().find(|(name, _)| *name == command.get_name());
-        match examples {
-            Some((_, examples)) => command.after_long_help(text(examples)),
-            None => command,
-        }
+    Arguments::command().mut_subcommands(|command| match examples(command.get_name()) {
+        [] => command,
+        examples => command.after_long_help(text(examples)),
     })
+}
+
+/// The examples of a command; none of one that help does not list.
+pub(crate) fn examples(command: &str) -> &'static [Example] {
+    EXAMPLES.iter().find(|(name, _)| *name == command).map_or(&[], |(_, examples)| examples)
 }
 
 fn text(examples: &[Example]) -> String {

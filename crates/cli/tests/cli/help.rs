@@ -160,8 +160,7 @@ fn the_manual_has_a_page_for_each_command() {
     expected.sort();
     assert_eq!(names_in(&pages), expected);
     let page = fs::read_to_string(pages.join("sheer-render.1")).unwrap();
-    assert!(
-        page.contains(".TH sheer-render 1") && page.contains("Examples:") && page.contains("orbit"),
-        "{page}"
-    );
+    assert!(page.contains(".TH sheer-render 1") && page.contains("orbit"), "{page}");
+    let example = "\n.nf\nsheer render model.glb \\-o picture.png\n.fi\n";
+    assert!(page.contains(".SH EXAMPLES\n") && page.contains(example) && !page.contains("EXTRA"), "{page}");
 }
