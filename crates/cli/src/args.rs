@@ -203,6 +203,15 @@ pub(crate) struct CompareArguments {
     /// of the frames); give both for both.
     #[arg(long = "reference", value_name = "REFERENCE", default_value = "same", value_delimiter = ',')]
     pub(crate) references: Vec<Reference>,
+    /// Pictures of another program beside the methods, as NAME=FILE or NAME=PATTERN with `####` or `%04d` for
+    /// the number of the frame: .png, .jpg or .webp, shown as they are, or .exr or .hdr of linear light; give
+    /// as many as you like.
+    ///
+    /// They have the size of the comparison. One file stands for the last frame; of numbered ones those of
+    /// the last half of the frames are taken, as the figures of the methods are from there. Errors in linear
+    /// light are told of .exr and .hdr alone.
+    #[arg(long = "with", value_name = "NAME=PATTERN", value_parser = named_pattern)]
+    pub(crate) foreign: Vec<NamedPattern>,
     /// Judge the clips with ColorVideoVDP as well, in just-objectionable differences; about as slow as
     /// rendering.
     #[arg(long)]
@@ -629,6 +638,15 @@ impl FromStr for Size {
     }
 }
 
+/// Pictures of another program (`--with`).
+#[derive(Clone, Debug)]
+pub(crate) struct NamedPattern {
+    /// What they are called.
+    pub(crate) name: String,
+    /// A file, or numbered ones.
+    pub(crate) pattern: PathBuf,
+}
+
 /// Which frames of a run (`--frames`).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum FrameSpan {
@@ -807,6 +825,12 @@ fn environment(text: &str) -> Result<EnvironmentChoice, String> {
     Err(format!(
         "there are {SCENE_ENVIRONMENT} (the scene's own), {described}, and .hdr and .exr files{nearest}"
     ))
+}
+
+fn named_pattern(text: &str) -> Result<NamedPattern, String> {
+    let parts = text.split_once('=').filter(|(name, pattern)| !name.is_empty() && !pattern.is_empty());
+    let (name, pattern) = parts.ok_or(r#"give NAME=PATTERN as in theirs="theirs/####.png""#)?;
+    Ok(NamedPattern { name: name.to_owned(), pattern: pattern.into() })
 }
 
 fn strength(text: &str) -> Result<f32, String> {

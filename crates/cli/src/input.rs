@@ -2,12 +2,13 @@
 
 use std::{
     fs,
+    ops::Range,
     path::{Path, PathBuf},
 };
 
 use anyhow::{Context as _, bail};
 
-use crate::output::PictureOutput;
+use crate::{args::NamedPattern, output::PictureOutput};
 
 /// Endings of pictures; what is inside is told by the bytes.
 const ENDINGS: [&str; 6] = ["png", "exr", "jpg", "jpeg", "hdr", "webp"];
@@ -38,6 +39,52 @@ impl PictureInput {
             );
         }
         Ok(Self { name: name.to_owned(), frames })
+    }
+}
+
+/// The pictures of a clip's frames by another program.
+#[derive(Clone, Debug)]
+pub(crate) struct FramePictures<'a> {
+    /// What they are called.
+    pub(crate) name: &'a str,
+    /// As it was typed.
+    pub(crate) pattern: &'a Path,
+    /// Those of the frames that are judged, from this one on, the last one last; at least one.
+    first_frame: u32,
+    files: Vec<PathBuf>,
+}
+
+impl<'a> FramePictures<'a> {
+    /// Finds those of the frames of a clip that are judged: one file is that of the last, numbered ones are
+    /// all there.
+    pub(crate) fn find(named: &'a NamedPattern, judged: Range<u32>) -> anyhow::Result<Self> {
+        let NamedPattern { name, pattern } = named;
+        let output = PictureOutput::from_path(pattern);
+        let is_numbered = matches!(output, PictureOutput::Sequence { .. });
+        let first_frame = if is_numbered { judged.start } else { judged.end - 1 };
+        let files: Vec<PathBuf> = (first_frame..judged.end).map(|frame| output.path(frame)).collect();
+        let missing = files.iter().find(|file| !file.is_file());
+        match missing.map(|file| file.display()) {
+            None => Ok(Self { name, pattern, first_frame, files }),
+            Some(missing) if is_numbered => bail!(
+                "{missing}: there is no such picture; --with {name} takes those of frames {first_frame} to {}, the last half of the clip",
+                judged.end - 1
+            ),
+            Some(missing) => bail!(
+                "{missing}: there is no such picture; give --with {name} a file, or a name with #### for the number of the frame"
+            ),
+        }
+    }
+
+    /// The file of a frame, if there is one.
+    pub(crate) fn file(&self, frame: u32) -> Option<&Path> {
+        let at = frame.checked_sub(self.first_frame)?;
+        self.files.get(at as usize).map(PathBuf::as_path)
+    }
+
+    /// The first one.
+    pub(crate) fn first(&self) -> &Path {
+        &self.files[0]
     }
 }
 
@@ -81,6 +128,34 @@ fn listed(folder: &Path) -> anyhow::Result<Vec<PathBuf>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_pictures_of_judged_frames_have_to_be_there() {
+        let folder = tempfile::tempdir().unwrap();
+        for name in ["a-12.png", "a-13.png", "a-99.png"] {
+            fs::write(folder.path().join(name), "").unwrap();
+        }
+        let named =
+            |pattern: &str| NamedPattern { name: "a".to_owned(), pattern: folder.path().join(pattern) };
+        let numbered = named("a-##.png");
+        let found = FramePictures::find(&numbered, 12..14).unwrap();
+        let name = |frame| found.file(frame).and_then(Path::file_name).and_then(|name| name.to_str());
+        assert_eq!(
+            [name(11), name(12), name(13), name(14)],
+            [None, Some("a-12.png"), Some("a-13.png"), None]
+        );
+        let single = named("a-99.png");
+        let found = FramePictures::find(&single, 12..14).unwrap();
+        assert_eq!([found.file(12), found.file(13)], [None, Some(single.pattern.as_path())]);
+        for (pattern, said) in [
+            ("a-##.png", "a-14.png: there is no such picture; --with a takes those of frames 12 to 14"),
+            ("b.png", "####"),
+            ("", "####"),
+        ] {
+            let error = FramePictures::find(&named(pattern), 12..15).unwrap_err().to_string();
+            assert!(error.contains(said), "{error}");
+        }
+    }
 
     #[test]
     fn files_folders_and_numbers_are_found_in_order() {

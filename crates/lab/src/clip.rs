@@ -5,15 +5,13 @@ use sheer_metrics::{Ghosting, error_map, video_vdp_jod};
 use sheer_render::{Antialiasing, Backend, Clock, Method, Settings};
 
 use crate::{
-    LabError, Measured, Progress, REFERENCE, Result, Tally, Timeline, Truth,
+    Foreign, ForeignJudged, Judging, LabError, Measured, Progress, REFERENCE, Result, Tally, Timeline, Truth,
+    foreign::Beside,
     measured::AgainstTruth,
     play::{Event, pipelines, play},
-    quality::Quality,
+    quality::{ERROR_FULL_SCALE, Quality},
     shown::Shown,
 };
-
-/// Error of a displayed image that error maps show in their last colour.
-pub const ERROR_FULL_SCALE: f32 = 0.25;
 
 /// The methods with the reference among them, as the first unless the user placed it.
 ///
@@ -81,20 +79,41 @@ impl Clip {
         truth: Option<&mut Truth>,
         progress: &dyn Progress,
     ) -> Result<Vec<Measured>> {
-        let seeds = [self.settings.seed];
-        let measured = self.play_seeds(backend, stage, methods, &seeds, truth, progress)?;
-        Ok(measured.into_iter().flatten().collect())
+        let (measured, _) = self.play_beside(backend, stage, methods, truth, &[], progress)?;
+        Ok(measured)
     }
 
-    /// The same with several seeds, which share the reference and the truth: one for each seed of each
-    /// method, and one for the reference.
-    pub(crate) fn play_seeds<B: Backend>(
+    /// The same with pictures of other programs beside the methods, held against the same frames.
+    ///
+    /// # Errors
+    /// Those of [`Self::play`], those of reading the pictures, and [`LabError::Misuse`] if one is not of the
+    /// size of the clip or the last frame has none.
+    pub fn play_beside<B: Backend>(
         &self,
         backend: &B,
         stage: &mut B::Stage,
         methods: &[Method],
-        seeds: &[u32],
+        truth: Option<&mut Truth>,
+        foreign: &[Foreign<'_>],
+        progress: &dyn Progress,
+    ) -> Result<(Vec<Measured>, Vec<ForeignJudged>)> {
+        let vdp_frames_per_sec = self.keeps_frames.then(|| self.frames_per_sec());
+        let judging = Judging { tone: self.settings.tone, vdp_frames_per_sec };
+        let mut beside = Beside::new(foreign, judging, self.frame_count);
+        let contestants = (methods, &[self.settings.seed][..]);
+        let measured = self.play_seeds(backend, stage, contestants, truth, &mut beside, progress)?;
+        Ok((measured.into_iter().flatten().collect(), beside.judged(self.antialiasing)?))
+    }
+
+    /// The same with several seeds of each method, which share the reference and the truth: one for each seed
+    /// of each method, and one for the reference.
+    pub(crate) fn play_seeds<B: Backend>(
+        &self,
+        backend: &B,
+        stage: &mut B::Stage,
+        (methods, seeds): (&[Method], &[u32]),
         mut truth: Option<&mut Truth>,
+        beside: &mut Beside<'_>,
         progress: &dyn Progress,
     ) -> Result<Vec<Vec<Measured>>> {
         let is_reference = |method: &Method| method.to_string() == REFERENCE;
@@ -164,6 +183,11 @@ impl Clip {
                             record.shown.push(shown.in_bytes());
                         }
                     }
+                    beside.add(
+                        index,
+                        &reference,
+                        truth.as_ref().map(|(truth, uncovered)| (truth, *uncovered)),
+                    )?;
                     if self.keeps_frames {
                         shown_truths.extend(truth.map(|(truth, _)| truth.in_bytes()));
                     }

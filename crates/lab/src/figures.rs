@@ -17,6 +17,9 @@ pub struct Column<R> {
     pub value: fn(&R) -> Option<f64>,
 }
 
+/// What titles of figures against the truth begin with.
+pub(crate) const TRUTH_PREFIX: &str = "truth ";
+
 /// A word that says which row it is: its heading and where it comes from.
 pub type Name<R> = (&'static str, fn(&R) -> String);
 
@@ -41,6 +44,9 @@ struct Heading {
     title: &'static str,
     meaning: &'static str,
     is_number: bool,
+    /// Of its figures, where it has any.
+    #[serde(skip)]
+    decimals: usize,
 }
 
 #[derive(Debug, Serialize)]
@@ -60,9 +66,14 @@ impl Figures {
         let is_shown =
             |column: &&Column<R>| !column.is_optional || rows.iter().any(|row| (column.value)(row).is_some());
         let columns: Vec<&Column<R>> = columns.into_iter().filter(is_shown).collect();
-        let named = names.iter().map(|&(title, _)| Heading { title, meaning: "", is_number: false });
-        let counted =
-            columns.iter().map(|&&Column { title, meaning, .. }| Heading { title, meaning, is_number: true });
+        let named =
+            names.iter().map(|&(title, _)| Heading { title, meaning: "", is_number: false, decimals: 0 });
+        let counted = columns.iter().map(|&&Column { title, meaning, decimals, .. }| Heading {
+            title,
+            meaning,
+            is_number: true,
+            decimals,
+        });
         let cells = |row: &&R| {
             let named = names.iter().map(|(_, name)| Cell { text: name(row), value: None });
             let counted = columns.iter().map(|column| {
@@ -84,13 +95,24 @@ impl Figures {
                     .is_some_and(|datum| matches!(datum, Datum::Number(..)))
         };
         let headings = titles.iter().enumerate();
-        let headings =
-            headings.map(|(at, &title)| Heading { title, meaning: "", is_number: is_number(at) }).collect();
+        let headings = headings
+            .map(|(at, &title)| Heading { title, meaning: "", is_number: is_number(at), decimals: 0 })
+            .collect();
         let cell = |datum: Datum| match datum {
             Datum::Word(text) => Cell { text, value: None },
             Datum::Number(value, decimals) => Cell { text: number(value, decimals), value },
         };
         Self { headings, rows: rows.into_iter().map(|row| row.into_iter().map(cell).collect()).collect() }
+    }
+
+    /// Adds a row of these names, with the figures that there are under the titles.
+    pub(crate) fn add_row(&mut self, names: &[String], figure: impl Fn(&str) -> Option<f64>) {
+        let names = names.iter().map(|name| Cell { text: name.clone(), value: None });
+        let counted = self.headings.iter().filter(|heading| heading.is_number).map(|heading| {
+            let value = figure(heading.title);
+            Cell { text: number(value, heading.decimals), value }
+        });
+        self.rows.push(names.chain(counted).collect());
     }
 
     /// The headings, in order.

@@ -34,6 +34,7 @@ pub mod experiments;
 mod exposure;
 mod figures;
 mod file_name;
+mod foreign;
 mod measured;
 mod pictures;
 mod play;
@@ -47,16 +48,18 @@ mod truth;
 pub mod verify;
 
 pub use crate::{
-    clip::{Clip, ERROR_FULL_SCALE, with_reference},
+    clip::{Clip, with_reference},
     cost::measure_cost,
     error::{LabError, Result},
     exposure::Exposure,
     figures::{Column, Datum, Figures, Name, number},
     file_name::file_name_from,
+    foreign::{Foreign, ForeignJudged},
     measured::{AgainstTruth, Measured, figures, selected_figures},
     pictures::{Judged, Judging, picture_figures},
     play::{Event, Timeline, picture, play},
     progress::{Progress, Silent},
+    quality::ERROR_FULL_SCALE,
     reference::{REFERENCE, Reference},
     tally::Tally,
     truth::Truth,

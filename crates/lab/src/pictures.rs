@@ -41,7 +41,7 @@ pub struct Judged {
 }
 
 /// How frames are held against those of a reference.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Judging {
     /// How linear light is shown.
     pub tone: Tone,
@@ -62,31 +62,69 @@ impl Judging {
         frames: u32,
         mut frame: impl FnMut(u32) -> Result<(Picture, Picture)>,
     ) -> Result<Judged> {
-        let mut quality = Quality::default();
-        let mut clips = (Vec::new(), Vec::new());
+        let mut judgement = Judgement::new(*self);
         let mut last = None;
         for index in 0..frames {
             let (reference, picture) = frame(index)?;
-            let sizes = [reference.colour.size(), picture.colour.size()];
-            if sizes[0] != sizes[1] {
-                let [(w, h), (width, height)] = sizes;
-                return Err(LabError::Misuse(format!(
-                    "{name} is {width}x{height} and the reference {w}x{h}: pictures are compared pixel by pixel"
-                )));
-            }
             let shown = |picture: &Picture| Shown::new(&picture.colour, self.tone, &picture.share);
             let (expected, found) = (shown(&reference), shown(&picture));
-            quality.add(&expected, &found)?;
-            if self.vdp_frames_per_sec.is_some() {
-                clips.0.push(expected.in_bytes());
-                clips.1.push(found.in_bytes());
-            }
+            judgement.add(name, &expected, &found)?;
             last = Some((expected, found, picture));
         }
         let Some((expected, found, picture)) = last else {
             return Err(LabError::Misuse(format!("{name} has no frame to hold against the reference")));
         };
-        let vdp_jod = self.vdp_frames_per_sec.map(|per_sec| video_vdp_jod(&clips.0, &clips.1, per_sec));
+        judgement.judged(name, &expected, &found, &picture)
+    }
+}
+
+/// A clip on its way to [`Judged`].
+pub(crate) struct Judgement {
+    judging: Judging,
+    frames: u32,
+    quality: Quality,
+    /// Frames of the reference and of the clip, where they are judged as a whole.
+    clips: [Vec<Image<[u8; 3]>>; 2],
+}
+
+impl Judgement {
+    pub(crate) fn new(judging: Judging) -> Self {
+        Self { judging, frames: 0, quality: Quality::default(), clips: Default::default() }
+    }
+
+    /// Takes the next frame.
+    ///
+    /// # Errors
+    /// [`LabError::Misuse`] if it differs in size from the reference; [`LabError`] of the metrics if it is
+    /// too small for them.
+    pub(crate) fn add(&mut self, name: &str, expected: &Shown, found: &Shown) -> Result<()> {
+        let sizes = [expected.linear.size(), found.linear.size()];
+        if sizes[0] != sizes[1] {
+            let [(w, h), (width, height)] = sizes;
+            return Err(LabError::Misuse(format!(
+                "{name} is {width}x{height} and the reference {w}x{h}: pictures are compared pixel by pixel"
+            )));
+        }
+        self.frames += 1;
+        self.quality.add(expected, found)?;
+        if self.judging.vdp_frames_per_sec.is_some() {
+            for (clip, frame) in self.clips.iter_mut().zip([expected, found]) {
+                clip.push(frame.in_bytes());
+            }
+        }
+        Ok(())
+    }
+
+    /// What came of it, with the last frame that it took.
+    pub(crate) fn judged(
+        &self,
+        name: &str,
+        expected: &Shown,
+        found: &Shown,
+        picture: &Picture,
+    ) -> Result<Judged> {
+        let Self { judging: Judging { tone, vdp_frames_per_sec }, frames, ref quality, ref clips } = *self;
+        let vdp_jod = vdp_frames_per_sec.map(|per_sec| video_vdp_jod(&clips[0], &clips[1], per_sec));
         Ok(Judged {
             name: name.to_owned(),
             frames,
@@ -98,7 +136,7 @@ impl Judging {
             flicker: (frames > 1).then(|| quality.flicker()),
             rms: quality.rms(),
             bias: quality.bias(),
-            picture: display(&picture.colour, self.tone, &picture.share),
+            picture: display(&picture.colour, tone, &picture.share),
             error_map: error_map(&expected.displayed, &found.displayed, ERROR_FULL_SCALE)?,
         })
     }
@@ -170,6 +208,12 @@ const COLUMNS: &[Column<Judged>] = &[
         value: |row| Some(row.bias),
     },
 ];
+
+/// The figure of this title.
+pub(crate) fn figure(judged: &Judged, title: &str) -> Option<f64> {
+    let column = COLUMNS.iter().find(|column| column.title == title)?;
+    (column.value)(judged)
+}
 
 /// What a row is.
 const NAMES: [Name<Judged>; 1] = [("picture", |row| row.name.clone())];

@@ -4,6 +4,9 @@ use sheer_metrics::{Flicker, TemporalPsnr, bias, flip, psnr_db, rms, ssim};
 
 use crate::{Result, shown::Shown};
 
+/// Error of a displayed image that error maps show in their last colour.
+pub const ERROR_FULL_SCALE: f32 = 0.25;
+
 /// Sums over frames, each held against that of a reference.
 #[derive(Default)]
 pub(crate) struct Quality {

@@ -1,23 +1,27 @@
 //! `sheer compare`: methods side by side with the exact answer.
 
+use std::path::Path;
+
+use sheer_image::{Picture, TextureLimits, read_picture};
 use sheer_lab::{
-    Clip, ERROR_FULL_SCALE, Measured, REFERENCE, Reference, Timeline, Truth, figures, file_name_from,
-    with_reference,
+    Clip, ERROR_FULL_SCALE, Foreign, Measured, REFERENCE, Reference, Timeline, Truth, figures,
+    file_name_from, with_reference,
 };
 use sheer_metrics::LEAST_VDP_SIDE_PX;
-use sheer_render::{Backend, Settings};
+use sheer_render::{Backend, Method, Settings};
 
 use crate::{
     args::{COMPARE_SIZE, CompareArguments},
     backend::Task,
     failure::Misuse,
+    input::FramePictures,
     output,
     report::{
         data_files::DataFiles,
         json::{self, Comparison, ComparisonRow},
         page::{
             self,
-            comparison::{Entry, Page, TruthPicture},
+            comparison::{Entry, ForeignEntry, Page, TruthPicture},
         },
         table::Table,
     },
@@ -51,16 +55,33 @@ fn compare<B: Backend>(arguments: &CompareArguments, backend: &B) -> anyhow::Res
     let antialiasings = without_repeats(&arguments.antialiasings);
     let references = without_repeats(&arguments.references);
     let mut truth = truth(&references, settings)?;
+    let pictures = foreign_pictures(arguments, &methods, &settings)?;
     let mut opened = arguments.scene.open(backend, settings.size, arguments.machine, console)?;
+
+    // Pictures of other programs are read as their frames come up.
+    let readers: Vec<_> = pictures
+        .iter()
+        .map(|pictures| move |index: u32| pictures.file(settings.first_frame + index).map(read).transpose())
+        .collect();
+    let foreign: Vec<Foreign<'_>> = pictures
+        .iter()
+        .zip(&readers)
+        .map(|(pictures, picture)| Foreign { name: pictures.name, picture })
+        .collect();
 
     // All methods play the clip, once under each anti-aliasing; they share the truth.
     let mut measured = Vec::new();
+    let mut judged = Vec::new();
     let mut true_pictures = Vec::new();
     let bar = console.bar();
     for &antialiasing in &antialiasings {
         let clip = Clip { settings, antialiasing, frame_count, keeps_frames: arguments.vdp };
         let timeline = Timeline::of(&settings, antialiasing, frame_count);
-        measured.extend(clip.play(backend, &mut opened.stage, &methods, truth.as_mut(), &bar)?);
+        let stage = &mut opened.stage;
+        let (of_methods, of_others) =
+            clip.play_beside(backend, stage, &methods, truth.as_mut(), &foreign, &bar)?;
+        measured.extend(of_methods);
+        judged.extend(of_others);
         if let Some(picture) = truth.as_ref().and_then(|truth| truth.picture(timeline)) {
             true_pictures.push(TruthPicture::new(antialiasing, &picture)?);
         }
@@ -70,40 +91,109 @@ fn compare<B: Backend>(arguments: &CompareArguments, backend: &B) -> anyhow::Res
 
     // Pictures are encoded once, for their files and for the page.
     let entries = measured.into_iter().map(Entry::new).collect::<anyhow::Result<Vec<_>>>()?;
-    for Entry { measured, picture_png, error_png } in &entries {
-        let stem = file_name_from(&format!("{}-{}", measured.antialiasing, measured.method));
-        output::write_file(&folder.join(format!("{stem}.png")), picture_png)?;
-        if let Some(error) = error_png {
-            output::write_file(&folder.join(format!("{stem}-error.png")), error)?;
-        }
-    }
-    for TruthPicture { aa, png } in &true_pictures {
-        output::write_file(&folder.join(format!("{}.png", file_name_from(&format!("{aa}-truth")))), png)?;
-    }
+    let patterns = pictures.iter().map(|pictures| pictures.pattern.display().to_string());
+    let patterns = patterns.cycle().take(judged.len());
+    let foreign_entries = judged.into_iter().zip(patterns);
+    let foreign_entries = foreign_entries
+        .map(|(judged, pattern)| ForeignEntry::new(judged, pattern))
+        .collect::<anyhow::Result<Vec<_>>>()?;
+    write_pictures(folder, &entries, &foreign_entries, &true_pictures)?;
     let run = setup::describe(backend, &arguments.scene, &opened, &settings, frame_count);
     let rows = entries.iter().flat_map(|Entry { measured, .. }| {
         references.iter().filter_map(|&reference| ComparisonRow::new(measured, reference))
     });
-    let rows = rows.collect();
+    let foreign_rows = foreign_entries.iter().flat_map(|ForeignEntry { judged, pattern, .. }| {
+        let row = move |&reference: &Reference| ComparisonRow::of_foreign(judged, pattern, reference);
+        references.iter().filter_map(row)
+    });
+    let rows = rows.chain(foreign_rows).collect();
     let report = Comparison { run, reference: REFERENCE.to_owned(), rows };
     // What refers to the pictures comes last, so that an interrupted run leaves no report that lacks them.
     let page = Page {
         report: &report,
         references: &references,
         entries: &entries,
+        foreign: &foreign_entries,
         true_pictures: &true_pictures,
         error_full_scale: ERROR_FULL_SCALE,
     };
     let page = page::comparison::text(&page)?;
     output::write_file(&folder.join("report.json"), json::text(&report)?.as_bytes())?;
     output::write_file(&folder.join("index.html"), page.as_bytes())?;
-    let figures = figures(entries.iter().map(|entry| &entry.measured), true, &references);
+    let mut figures = figures(entries.iter().map(|entry| &entry.measured), true, &references);
+    figures.add_foreign(foreign_entries.iter().map(|entry| &entry.judged), true);
     data_files.write(&figures)?;
     if !data_files.is_stdout() {
         output::print(&Table::of(&figures).text())?;
     }
     console.note(format_args!("wrote {} and report.json beside it", folder.join("index.html").display()));
     Ok(())
+}
+
+/// Writes the pictures, and the error maps of those that have one.
+fn write_pictures(
+    folder: &Path,
+    entries: &[Entry],
+    foreign: &[ForeignEntry],
+    truths: &[TruthPicture],
+) -> anyhow::Result<()> {
+    let write = |aa: &str, name: &str, picture: &[u8], error: Option<&[u8]>| -> anyhow::Result<()> {
+        let stem = file_name_from(&format!("{aa}-{name}"));
+        output::write_file(&folder.join(format!("{stem}.png")), picture)?;
+        match error {
+            Some(error) => output::write_file(&folder.join(format!("{stem}-error.png")), error),
+            None => Ok(()),
+        }
+    };
+    for Entry { measured, picture_png, error_png } in entries {
+        let (aa, method) = (measured.antialiasing.to_string(), measured.method.to_string());
+        write(&aa, &method, picture_png, error_png.as_deref())?;
+    }
+    for ForeignEntry { judged, picture_png, error_png, .. } in foreign {
+        let aa = judged.antialiasing.to_string();
+        write(&aa, &judged.against_same.name, picture_png, Some(error_png))?;
+    }
+    truths.iter().try_for_each(|TruthPicture { aa, png }| write(aa, "truth", png, None))
+}
+
+/// The pictures of other programs, as far as can be told before the clip is rendered: their names are their
+/// own, the files are there, and the first has the size of the clip.
+fn foreign_pictures<'a>(
+    arguments: &'a CompareArguments,
+    methods: &[Method],
+    settings: &Settings,
+) -> anyhow::Result<Vec<FramePictures<'a>>> {
+    // Names of files are made of them.
+    let mut taken: Vec<String> = methods.iter().map(|method| file_name_from(&method.to_string())).collect();
+    taken.push("truth".to_owned());
+    let frame_count = arguments.frames.count();
+    let judged = settings.first_frame + frame_count / 2..settings.first_frame + frame_count;
+    let mut all = Vec::with_capacity(arguments.foreign.len());
+    for named in &arguments.foreign {
+        let stem = file_name_from(&named.name);
+        if taken.contains(&stem) {
+            let problem =
+                format!("--with {}: there is a picture of that name already; give another", named.name);
+            return Err(Misuse(problem).into());
+        }
+        taken.push(stem);
+        let pictures = FramePictures::find(named, judged.clone())?;
+        let (width, height) = read(pictures.first())?.colour.size();
+        let [w, h] = settings.size;
+        if [width, height] != [w, h] {
+            let problem = format!(
+                "{} is {width}x{height} and the comparison {w}x{h}: pictures are compared pixel by pixel; give --size {width}x{height}",
+                pictures.first().display()
+            );
+            return Err(Misuse(problem).into());
+        }
+        all.push(pictures);
+    }
+    Ok(all)
+}
+
+fn read(path: &Path) -> sheer_lab::Result<Picture> {
+    Ok(read_picture(path, TextureLimits::default())?)
 }
 
 /// The truth, if it is asked for.

@@ -4,7 +4,7 @@
 use serde::Serialize;
 use sheer_core::parameter::Choice as _;
 use sheer_image::Tone;
-use sheer_lab::{AgainstTruth, Judged, Measured, Reference, Tally, verify::Check};
+use sheer_lab::{AgainstTruth, ForeignJudged, Judged, Measured, Reference, Tally, verify::Check};
 use sheer_render::{Antialiasing, Method};
 
 use crate::version::{COMMIT, VERSION};
@@ -113,7 +113,8 @@ pub(crate) struct Comparison {
     pub(crate) run: Run,
     /// The method that the others are compared with.
     pub(crate) reference: String,
-    /// One for each method under each anti-aliasing against each reference, `baseline` among them.
+    /// One for each method under each anti-aliasing against each reference, `baseline` among them; after them
+    /// one for the pictures of each other program, likewise.
     pub(crate) rows: Vec<ComparisonRow>,
 }
 
@@ -123,13 +124,17 @@ pub(crate) struct Comparison {
 pub(crate) struct ComparisonRow {
     pub(crate) method: String,
     pub(crate) aa: String,
+    /// Of pictures of another program, which `method` names: their file or pattern.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) pictures: Option<String>,
     /// What the qualities are against: `same`, `baseline` under the same anti-aliasing, or `truth`, the exact
     /// answer with many samples a pixel at the moment of each frame (`truth:samples=N` if not 32).
     pub(crate) reference: String,
-    /// Milliseconds a frame with acceleration structure builds, without temporal anti-aliasing.
-    pub(crate) ms_median: f64,
-    pub(crate) ms_min: f64,
-    pub(crate) ms_max: f64,
+    /// Milliseconds a frame with acceleration structure builds, without temporal anti-aliasing. These, and
+    /// what was counted, are null for pictures of another program.
+    pub(crate) ms_median: Option<f64>,
+    pub(crate) ms_min: Option<f64>,
+    pub(crate) ms_max: Option<f64>,
     /// Of the displayed image; 1: equal.
     pub(crate) ssim: f64,
     /// Of the displayed image; null where it equals the reference.
@@ -143,25 +148,26 @@ pub(crate) struct ComparisonRow {
     pub(crate) vdp_jod: Option<f64>,
     /// Of the displayed image; 0: equal.
     pub(crate) flip: Option<f64>,
-    /// Standard deviation of the displayed error over time.
-    pub(crate) flicker: f64,
+    /// Standard deviation of the displayed error over time; null for a single picture of another program.
+    pub(crate) flicker: Option<f64>,
     /// Mean error in linear light, with its sign, in the pixels that were uncovered during the last 8 frames;
     /// against the truth, and where there are some.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) ghosting: Option<f64>,
-    /// Mean error in linear light, with its sign.
-    pub(crate) bias: f64,
-    /// Root mean square error in linear light.
-    pub(crate) rms: f64,
+    /// Mean error in linear light, with its sign; null for pictures of another program that are made for a
+    /// display.
+    pub(crate) bias: Option<f64>,
+    /// Root mean square error in linear light; null likewise.
+    pub(crate) rms: Option<f64>,
     /// Fragments shaded for a pixel of a frame.
-    pub(crate) shaded_per_pixel: f64,
+    pub(crate) shaded_per_pixel: Option<f64>,
     /// Hits tested or composited for a pixel of a frame.
-    pub(crate) hits_per_pixel: f64,
+    pub(crate) hits_per_pixel: Option<f64>,
     /// What the method stores beyond colour and depth: by its paper on the CPU (of an unbounded one, bytes a
     /// fragment times the mean of hits for a pixel), what was allocated on a GPU.
-    pub(crate) memory_bytes_per_pixel: f64,
+    pub(crate) memory_bytes_per_pixel: Option<f64>,
     /// Fragments merged for want of a place, for a pixel of a frame.
-    pub(crate) merged_per_pixel: f64,
+    pub(crate) merged_per_pixel: Option<f64>,
 }
 
 impl ComparisonRow {
@@ -170,28 +176,61 @@ impl ComparisonRow {
         let against_same = Self {
             method: measured.method.to_string(),
             aa: measured.antialiasing.to_string(),
+            pictures: None,
             reference: reference.to_string(),
-            ms_median: measured.ms_median,
-            ms_min: measured.ms_min,
-            ms_max: measured.ms_max,
+            ms_median: Some(measured.ms_median),
+            ms_min: Some(measured.ms_min),
+            ms_max: Some(measured.ms_max),
             ssim: measured.ssim,
             psnr_db: measured.psnr_db,
             tpsnr_db: measured.tpsnr_db,
             vdp_jod: measured.vdp_jod,
             flip: Some(measured.flip),
-            flicker: measured.flicker,
+            flicker: Some(measured.flicker),
             ghosting: None,
-            bias: measured.bias,
-            rms: measured.rms,
-            shaded_per_pixel: measured.shaded_per_pixel,
-            hits_per_pixel: measured.hits_per_pixel,
-            memory_bytes_per_pixel: measured.memory_bytes_per_pixel,
-            merged_per_pixel: measured.merged_per_pixel,
+            bias: Some(measured.bias),
+            rms: Some(measured.rms),
+            shaded_per_pixel: Some(measured.shaded_per_pixel),
+            hits_per_pixel: Some(measured.hits_per_pixel),
+            memory_bytes_per_pixel: Some(measured.memory_bytes_per_pixel),
+            merged_per_pixel: Some(measured.merged_per_pixel),
         };
         match reference {
             Reference::Same => Some(against_same),
             Reference::Truth { .. } => Some(against_same.against(measured.against_truth.as_ref()?)),
         }
+    }
+
+    /// What programs read of pictures of another program; nothing if they were not held against the
+    /// reference.
+    pub(crate) fn of_foreign(foreign: &ForeignJudged, pattern: &str, reference: Reference) -> Option<Self> {
+        let (judged, ghosting) = match reference {
+            Reference::Same => (&foreign.against_same, None),
+            Reference::Truth { .. } => (foreign.against_truth.as_ref()?, foreign.ghosting),
+        };
+        let linear = |error: f64| foreign.in_linear_light.then_some(error);
+        Some(Self {
+            method: judged.name.clone(),
+            aa: foreign.antialiasing.to_string(),
+            pictures: Some(pattern.to_owned()),
+            reference: reference.to_string(),
+            ms_median: None,
+            ms_min: None,
+            ms_max: None,
+            ssim: judged.ssim,
+            psnr_db: judged.psnr_db,
+            tpsnr_db: judged.tpsnr_db,
+            vdp_jod: judged.vdp_jod,
+            flip: Some(judged.flip),
+            flicker: judged.flicker,
+            ghosting: ghosting.and_then(linear),
+            bias: linear(judged.bias),
+            rms: linear(judged.rms),
+            shaded_per_pixel: None,
+            hits_per_pixel: None,
+            memory_bytes_per_pixel: None,
+            merged_per_pixel: None,
+        })
     }
 
     /// The same row with the qualities against the truth.
@@ -209,7 +248,7 @@ impl ComparisonRow {
             rms,
             error_map: _,
         } = truth;
-        let flip = Some(flip);
+        let [flip, flicker, bias, rms] = [flip, flicker, bias, rms].map(Some);
         Self { ssim, psnr_db, tpsnr_db, vdp_jod, flip, flicker, ghosting, bias, rms, ..self }
     }
 }

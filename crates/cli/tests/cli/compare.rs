@@ -126,6 +126,76 @@ fn the_truth_stands_beside_the_same_antialiasing_where_both_are_asked_for() {
 }
 
 #[test]
+fn pictures_of_other_programs_stand_beside_the_methods() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let clip = "layers:count=2 --size 32x18 --frames 4..12";
+    for frames in ["own/##.exr", "shown/##.png"] {
+        succeed(folder, &format!("render {clip} -m std -a taa --warm-up 0 -o {frames}"));
+    }
+    succeed(folder, "render layers:count=2 --size 32x18 -m baseline -a none --frames 1 -o one.exr");
+    let with = "--with own=own/##.exr --with shown=shown/##.png --with one=one.exr";
+    let both = "--reference same,truth:samples=2 --csv a.csv";
+    let outcome = succeed(folder, &format!("compare {clip} -m std -a taa -a none {with} {both} -o out"));
+
+    let report = json(&fs::read_to_string(folder.join("out/report.json")).unwrap());
+    let rows = report["rows"].as_array().unwrap();
+    let row = |method: &str, aa: &str, reference: &str| {
+        let is_meant = |row: &&serde_json::Value| {
+            row["method"] == method && row["aa"] == aa && row["reference"] == reference
+        };
+        rows.iter().find(is_meant).unwrap_or_else(|| panic!("{method} {aa} {reference}"))
+    };
+    // Two methods and three others, under two anti-aliasings, against two references.
+    assert_eq!(rows.len(), 20);
+    for reference in ["same", "truth:samples=2"] {
+        // The pictures are those of the method.
+        let [own, shown, std] = ["own", "shown", "std"].map(|name| row(name, "taa", reference));
+        for figure in ["ssim", "psnr_db", "tpsnr_db", "flip", "flicker", "rms", "bias"] {
+            assert_eq!(own[figure], std[figure], "{figure} {reference}");
+        }
+        // Eight bits are less, and say nothing of linear light.
+        let [of_shown, of_std] = [shown, std].map(|row| row["ssim"].as_f64().unwrap());
+        assert!((of_shown - of_std).abs() < 0.01 && of_shown != of_std, "{of_shown} and {of_std}");
+        assert!(shown["rms"].is_null() && shown["bias"].is_null(), "{shown}");
+        assert_eq!(own["pictures"], "own/##.exr");
+        assert!(own["ms_median"].is_null() && own["shaded_per_pixel"].is_null(), "{own}");
+        assert!(std["ms_median"].is_number() && std.get("pictures").is_none(), "{std}");
+    }
+    let one = row("one", "none", "same");
+    assert!(one["flicker"].is_null() && one["tpsnr_db"].is_null(), "one picture has no change: {one}");
+    // Without anti-aliasing this still scene is the same in every frame, and the picture is exact.
+    assert_eq!((&one["psnr_db"], one["rms"].as_f64()), (&serde_json::Value::Null, Some(0.0)));
+    assert_ne!(row("own", "none", "same")["rms"], 0.0, "the check is not blind");
+
+    assert_eq!(outcome.stdout.lines().filter(|line| line.starts_with("own ")).count(), 2);
+    let csv = fs::read_to_string(folder.join("a.csv")).unwrap();
+    assert!(csv.lines().any(|line| line.starts_with("own,taa,,,,0.")), "{csv}");
+    let page = fs::read_to_string(folder.join("out/index.html")).unwrap();
+    assert!(page.contains("Pictures of another program") && page.contains("data-label=\"own · taa\""));
+    let names = names_in(&folder.join("out"));
+    for name in ["taa-own.png", "taa-own-error.png", "none-one.png", "none-one-error.png"] {
+        assert!(names.iter().any(|found| found == name), "{name} is not among {names:?}");
+    }
+
+    for (with, code, said) in [
+        ("own", 2, "give NAME=PATTERN"),
+        ("std=one.exr", 2, "a picture of that name"),
+        ("truth=one.exr", 2, "a picture of that name"),
+        ("a=absent.png", 1, "absent.png: there is no such picture"),
+        ("a=own/###.exr", 1, "own/008.exr: there is no such picture; --with a takes those of frames 8 to 11"),
+        ("a=out/report.json", 1, "report.json"),
+    ] {
+        let outcome = sheer(folder, &format!("compare {clip} -m std --with {with} -o refused"));
+        assert_eq!(outcome.code, Some(code), "{with}: {outcome:?}");
+        assert!(outcome.stderr.contains(said), "{with}: {outcome:?}");
+    }
+    let outcome = sheer(folder, "compare layers --size 32x20 --frames 1 -m std --with a=one.exr -o refused");
+    assert_eq!(outcome.code, Some(2), "{outcome:?}");
+    assert!(outcome.stderr.contains("one.exr is 32x18 and the comparison 32x20"), "{outcome:?}");
+}
+
+#[test]
 fn a_single_frame_has_no_change() {
     let folder = tempfile::tempdir().unwrap();
     succeed(folder.path(), "compare layers -m std --size 32x18 --frames 1 -o out");

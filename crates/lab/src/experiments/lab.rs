@@ -12,7 +12,9 @@ use super::{
     findings::{Findings, Picture},
 };
 use crate::{
-    Clip, Figures, LabError, Measured, Progress, Reference, Result, Tally, Timeline, Truth, measure_cost,
+    Clip, Figures, LabError, Measured, Progress, Reference, Result, Tally, Timeline, Truth,
+    foreign::Beside,
+    measure_cost,
     plot::{Axis, Plot, Series},
     selected_figures, with_reference,
 };
@@ -138,8 +140,9 @@ impl<B: Backend> Lab<'_, B> {
         };
         self.progress.name(take.scene.split(':').next().unwrap_or_default());
         let seeds: Vec<u32> = self.seeds().collect();
+        let (contestants, nothing) = ((&methods[..], &seeds[..]), &mut Beside::default());
         let measured =
-            clip.play_seeds(self.backend, &mut stage, &methods, &seeds, truth.as_mut(), self.progress)?;
+            clip.play_seeds(self.backend, &mut stage, contestants, truth.as_mut(), nothing, self.progress)?;
         Ok(Played { command: take.command(self.size), measured })
     }
 

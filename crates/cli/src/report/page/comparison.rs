@@ -3,7 +3,7 @@
 use serde::Serialize;
 use sheer_image::{Image, Metadata, encode_png};
 use sheer_lab::{
-    Figures, Measured, Reference, figures,
+    Figures, ForeignJudged, Measured, Reference, figures,
     plot::{Axis, Plot, Series},
 };
 use sheer_render::{Antialiasing, contract::MethodInfo};
@@ -27,6 +27,32 @@ pub(crate) struct Entry {
     pub(crate) picture_png: Vec<u8>,
     /// Its error map as PNG, against the truth where it is asked for; the reference has none.
     pub(crate) error_png: Option<Vec<u8>>,
+}
+
+/// The pictures of another program under one anti-aliasing.
+#[derive(Debug)]
+pub(crate) struct ForeignEntry {
+    /// What came of them.
+    pub(crate) judged: ForeignJudged,
+    /// Their file or pattern.
+    pub(crate) pattern: String,
+    /// The last one as PNG.
+    pub(crate) picture_png: Vec<u8>,
+    /// Its error map as PNG, against the truth where it is asked for.
+    pub(crate) error_png: Vec<u8>,
+}
+
+impl ForeignEntry {
+    /// Encodes the pictures.
+    ///
+    /// # Errors
+    /// There is no memory for them.
+    pub(crate) fn new(judged: ForeignJudged, pattern: String) -> anyhow::Result<Self> {
+        let png = |image: &Image<[u8; 4]>| encode_png(image, &Metadata::default());
+        let against = judged.against_truth.as_ref().unwrap_or(&judged.against_same);
+        let (picture_png, error_png) = (png(&against.picture)?, png(&against.error_map)?);
+        Ok(Self { judged, pattern, picture_png, error_png })
+    }
 }
 
 /// What methods should have shown in their last frame.
@@ -78,6 +104,8 @@ pub(crate) struct Page<'a> {
     pub(crate) references: &'a [Reference],
     /// Methods with their pictures, in the order of the report's rows.
     pub(crate) entries: &'a [Entry],
+    /// Pictures of other programs.
+    pub(crate) foreign: &'a [ForeignEntry],
     /// The truth under each anti-aliasing, where it is asked for.
     pub(crate) true_pictures: &'a [TruthPicture],
     /// Displayed error in the last colour of the error maps.
@@ -97,6 +125,7 @@ struct Context<'a> {
     has_several_aa: bool,
     charts: Vec<Charts>,
     explanations: Vec<Explanation>,
+    foreign: Vec<ForeignSource<'a>>,
     legend: String,
     error_full_scale: f32,
 }
@@ -107,6 +136,13 @@ struct Explanation {
     title: &'static str,
     paper: &'static str,
     bias: &'static str,
+}
+
+/// Where pictures of another program come from.
+#[derive(Serialize, PartialEq)]
+struct ForeignSource<'a> {
+    name: &'a str,
+    pattern: &'a str,
 }
 
 /// Of the methods under one anti-aliasing; in all of them a method has the same colour.
@@ -124,16 +160,20 @@ struct Charts {
 /// If the template is broken, which the tests would have found.
 pub(crate) fn text(page: &Page<'_>) -> anyhow::Result<String> {
     let has_several_aa = antialiasings(page).len() > 1;
+    let mut figures =
+        figures(page.entries.iter().map(|entry| &entry.measured), has_several_aa, page.references);
+    figures.add_foreign(page.foreign.iter().map(|entry| &entry.judged), has_several_aa);
     let context = Context {
         run: &page.report.run,
         baseline: &page.report.reference,
         same: in_words(page, |reference| **reference == Reference::Same),
         truth: in_words(page, |reference| is_truth(reference)),
-        figures: figures(page.entries.iter().map(|entry| &entry.measured), has_several_aa, page.references),
+        figures,
         cards: cards(page, has_several_aa),
         has_several_aa,
         charts: antialiasings(page).into_iter().map(|aa| charts(page, aa)).collect(),
         explanations: explanations(page),
+        foreign: foreign_sources(page),
         legend: legend(),
         error_full_scale: page.error_full_scale,
     };
@@ -148,7 +188,8 @@ fn in_words(page: &Page<'_>, is_meant: impl FnMut(&&Reference) -> bool) -> Optio
     page.references.iter().find(is_meant).map(|reference| reference.in_words())
 }
 
-/// The pictures, those under one anti-aliasing side by side; before them the truth, where there is one.
+/// The pictures, those under one anti-aliasing side by side; before them the truth, where there is one, and
+/// after them those of other programs.
 fn cards(page: &Page<'_>, has_several_aa: bool) -> Vec<Card> {
     let label =
         |name: &str, aa: &str| if has_several_aa { format!("{name} · {aa}") } else { name.to_owned() };
@@ -163,6 +204,17 @@ fn cards(page: &Page<'_>, has_several_aa: bool) -> Vec<Card> {
             error: entry.error_png.as_deref().map(data_uri),
         }
     };
+    let foreign = |(index, entry): (usize, &ForeignEntry)| {
+        let aa = entry.judged.antialiasing.to_string();
+        Card {
+            id: format!("foreign-{index}"),
+            label: label(&entry.judged.against_same.name, &aa),
+            aa,
+            is_reference: false,
+            picture: data_uri(&entry.picture_png),
+            error: Some(data_uri(&entry.error_png)),
+        }
+    };
     let truth = |(index, truth): (usize, &TruthPicture)| Card {
         id: format!("truth-{index}"),
         label: label("truth", &truth.aa),
@@ -172,7 +224,8 @@ fn cards(page: &Page<'_>, has_several_aa: bool) -> Vec<Card> {
         error: None,
     };
     let truths = page.true_pictures.iter().enumerate().map(truth);
-    truths.chain(page.entries.iter().enumerate().map(card)).collect()
+    let of_others = page.foreign.iter().enumerate().map(foreign);
+    truths.chain(page.entries.iter().enumerate().map(card)).chain(of_others).collect()
 }
 
 fn antialiasings(page: &Page<'_>) -> Vec<String> {
@@ -209,6 +262,18 @@ fn charts(page: &Page<'_>, aa: String) -> Charts {
     Charts { aa, time, ssim, psnr }
 }
 
+/// Each other program once.
+fn foreign_sources<'a>(page: &Page<'a>) -> Vec<ForeignSource<'a>> {
+    let mut sources: Vec<ForeignSource<'_>> = Vec::new();
+    for ForeignEntry { judged, pattern, .. } in page.foreign {
+        let source = ForeignSource { name: &judged.against_same.name, pattern };
+        if !sources.contains(&source) {
+            sources.push(source);
+        }
+    }
+    sources
+}
+
 /// Each method once, whatever its parameters.
 fn explanations(page: &Page<'_>) -> Vec<Explanation> {
     let mut explanations: Vec<Explanation> = Vec::new();
@@ -224,7 +289,7 @@ fn explanations(page: &Page<'_>) -> Vec<Explanation> {
 
 #[cfg(test)]
 mod tests {
-    use sheer_lab::AgainstTruth;
+    use sheer_lab::{AgainstTruth, Judged};
 
     use super::{
         super::tests::{assert_sound, run_of},
@@ -236,6 +301,10 @@ mod tests {
     }
 
     fn page_against(scene: &str, references: &[Reference]) -> String {
+        page_with(scene, references, &[])
+    }
+
+    fn page_with(scene: &str, references: &[Reference], foreign: &[ForeignEntry]) -> String {
         let has_truth = references.iter().any(is_truth);
         let against_truth = AgainstTruth {
             ssim: 0.5,
@@ -281,8 +350,14 @@ mod tests {
         let report = Comparison { run: run_of(scene), reference: "baseline".to_owned(), rows: Vec::new() };
         let truth = TruthPicture { aa: "taa".to_owned(), png: b"true".to_vec() };
         let true_pictures = if has_truth { std::slice::from_ref(&truth) } else { &[] };
-        let page =
-            Page { report: &report, references, entries: &entries, true_pictures, error_full_scale: 0.25 };
+        let page = Page {
+            report: &report,
+            references,
+            entries: &entries,
+            foreign,
+            true_pictures,
+            error_full_scale: 0.25,
+        };
         text(&page).unwrap()
     }
 
@@ -309,6 +384,43 @@ mod tests {
             }
         }
         assert_sound(|scene| page_against(scene, &[Reference::Same, Reference::TRUTH]));
+    }
+
+    #[test]
+    fn pictures_of_other_programs_stand_beside_the_methods_and_say_where_they_are_from() {
+        let judged = Judged {
+            name: "<theirs>".to_owned(),
+            frames: 1,
+            ssim: 0.25,
+            psnr_db: Some(12.5),
+            tpsnr_db: None,
+            vdp_jod: None,
+            flip: 0.125,
+            flicker: None,
+            rms: 0.0625,
+            bias: -0.03125,
+            picture: Image::filled(2, 1, [0; 4]).unwrap(),
+            error_map: Image::filled(2, 1, [0; 4]).unwrap(),
+        };
+        let judged = ForeignJudged {
+            antialiasing: Antialiasing::TAA,
+            against_same: judged,
+            against_truth: None,
+            ghosting: None,
+            in_linear_light: true,
+        };
+        let entry = ForeignEntry {
+            judged,
+            pattern: "their/####.png".to_owned(),
+            picture_png: b"foreign".to_vec(),
+            error_png: b"wrong".to_vec(),
+        };
+        let page = page_with("layers", &[Reference::Same], std::slice::from_ref(&entry));
+        for held in ["&lt;theirs&gt;", "their&#x2f;####.png", "Zm9yZWlnbg==", "d3Jvbmc=", "12.50", "0.1250"] {
+            assert!(page.contains(held), "{held} is not in the page");
+        }
+        assert!(!page.contains("<theirs>"));
+        assert_sound(|scene| page_with(scene, &[Reference::Same], std::slice::from_ref(&entry)));
     }
 
     #[test]
