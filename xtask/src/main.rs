@@ -11,6 +11,7 @@ mod gallery;
 mod graph;
 mod man;
 mod peers;
+mod python;
 mod results;
 mod rules;
 mod setup;
@@ -26,7 +27,8 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Task {
-    /// Install what the tests need: rustfmt and clippy; where there is apt, a browser and a Vulkan driver.
+    /// Install what the tests need: rustfmt and clippy; where there is apt, a browser and a Vulkan driver; a
+    /// runner of Open Job Description.
     Setup,
     /// Set up, then check format, rules and lints, build and test everything, documentation included.
     Test,

@@ -11,7 +11,10 @@ use std::{
 use anyhow::Context as _;
 use clap::Args;
 
-use crate::workspace::{call, release_binary, root, target};
+use crate::{
+    python,
+    workspace::{call, release_binary, root, target},
+};
 
 /// Measure peers.
 #[derive(Args)]
@@ -42,24 +45,11 @@ impl Peers {
 /// Python with the wheels. Where they cannot be had the measurement says which peer it leaves out.
 fn python(folder: &Path) -> PathBuf {
     let environment = folder.join("python");
-    let python = environment.join("bin/python");
-    let wheels = root().join("peers/requirements.txt");
-    let installed = environment.join("requirements.txt");
-    let are_there =
-        fs::read(&installed).is_ok_and(|there| fs::read(&wheels).is_ok_and(|wanted| wanted == there));
-    if !are_there && let Err(error) = install(&environment, &python, &wheels, &installed) {
+    python::with_packages(&environment, &root().join("peers/requirements.txt")).unwrap_or_else(|error| {
         eprintln!(
             "bench-peers: the wheels of peers/requirements.txt are not installed ({error:#}); \
              Python 3 with venv and pip, and a way to its package index, are what it takes"
         );
-    }
-    python
-}
-
-fn install(environment: &Path, python: &Path, wheels: &Path, installed: &Path) -> anyhow::Result<()> {
-    call("python3", &["-m", "venv", &environment.display().to_string()])?;
-    let wheels_text = wheels.display().to_string();
-    call(&python.display().to_string(), &["-m", "pip", "install", "--quiet", "--requirement", &wheels_text])?;
-    fs::copy(wheels, installed)?;
-    Ok(())
+        environment.join("bin/python")
+    })
 }

@@ -7,8 +7,8 @@ use std::{
 
 use crate::{
     apt::{self, apt_get},
-    driver,
-    workspace::call,
+    driver, python,
+    workspace::{call, root, target},
 };
 
 /// Browsers that can look at the pages, a name a line, as the tests look for them.
@@ -23,7 +23,8 @@ pub(crate) fn run() -> anyhow::Result<()> {
 /// Asks for the administrator's password, should one be needed, before anything is installed beside other
 /// work whose output would hide the question.
 pub(crate) fn authorise() -> anyhow::Result<()> {
-    if answers("apt-get") && !(has_browser() && driver::is_there()) { apt::authorise() } else { Ok(()) }
+    let are_there = has_browser() && driver::is_there() && python::is_there();
+    if answers("apt-get") && !are_there { apt::authorise() } else { Ok(()) }
 }
 
 /// What checks the sources.
@@ -39,21 +40,29 @@ pub(crate) fn toolchain() -> anyhow::Result<()> {
     Ok(())
 }
 
-/// What the tests look at pages and render with.
+/// What the tests look at pages and render with, and what runs the template of a farm.
 pub(crate) fn programs() -> anyhow::Result<()> {
-    if !answers("apt-get") {
+    if answers("apt-get") {
+        packages()?;
+    } else {
         eprintln!(
-            "setup: no apt-get here; a browser and a Vulkan driver have to be there, or the tests say what they miss"
+            "setup: no apt-get here; a browser, a Vulkan driver and Python 3 with venv have to be there, or the tests say what they miss"
         );
-        return Ok(());
     }
-    if has_browser() {
-        eprintln!("setup: a browser is there");
+    python::with_packages(&target().join("python"), &root().join("farm/requirements.txt"))?;
+    eprintln!("setup: Open Job Description is there");
+    Ok(())
+}
+
+fn packages() -> anyhow::Result<()> {
+    if has_browser() && python::is_there() {
+        eprintln!("setup: a browser and Python are there");
     } else {
         // Recommended packages would bring a desktop; letters are needed all the same.
         apt_get(&["update"])?;
-        apt_get(&["install", "--yes", "--no-install-recommends", "chromium", "fonts-dejavu-core"])?;
-        eprintln!("setup: a browser is installed");
+        let packages = ["chromium", "fonts-dejavu-core", "python3-venv"];
+        apt_get(&[&["install", "--yes", "--no-install-recommends"][..], &packages].concat())?;
+        eprintln!("setup: a browser and Python are installed");
     }
     let installed = driver::install()?;
     eprintln!("setup: a Vulkan driver that traces rays is {}", if installed { "installed" } else { "there" });

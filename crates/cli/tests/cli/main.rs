@@ -4,6 +4,9 @@ mod bench;
 mod calibrate;
 mod compare;
 mod experiments;
+// The template runs in a shell.
+#[cfg(unix)]
+mod farm;
 mod gpu;
 // Examples are lines for a shell.
 #[cfg(unix)]
