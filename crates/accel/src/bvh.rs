@@ -150,6 +150,13 @@ impl Bvh {
         }
     }
 
+    /// [`Self::traverse`] through that part of the tree alone which [`Bvh::rebuild_after`] keeps, without
+    /// instances.
+    #[inline]
+    pub fn traverse_kept(&self, ray: &Ray, visit: impl FnMut(Hit) -> f32) {
+        self.path.traverse::<true>(Tree::new(&self.nodes, &self.blocks, self.kept.part), ray, visit);
+    }
+
     /// [`Self::traverse`] for rays that run close to one another: `visit` gets the index of a ray with its
     /// hit, and returns the new `t_max` of that ray. Each ray has the hits
     /// that it has alone, to the bit, but hits of several rays alternate.

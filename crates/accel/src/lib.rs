@@ -15,6 +15,7 @@
 //!   ([`Bvh::traverse_packet`]), with the hits of single rays, to the bit.
 //! * Instances: what is drawn many times can be stored once ([`Bvh::build_with_meshes`]): a tree a mesh and
 //!   one over all instances, with the hits of a tree over all of their triangles, to the bit.
+//! * Parallel rays: [`LightBuffer`] has lists of triangles for rays of one direction, which need no tree.
 //! * Paths: AVX-512, AVX2 and portable code, chosen at run time ([`SimdPath`]); hits are the same bits on
 //!   all.
 //!
@@ -31,8 +32,10 @@
 
 mod build;
 mod bvh;
+mod column;
 mod error;
 mod instance;
+mod light_buffer;
 mod limits;
 mod node;
 mod packed;
@@ -50,6 +53,7 @@ pub use build::is_kept;
 pub use bvh::Bvh;
 pub use error::AccelError;
 pub use instance::{Instance, MeshTree};
+pub use light_buffer::LightBuffer;
 pub use packed::PackedTree;
 pub use ray::{Hit, Ray};
 pub use simd::SimdPath;

@@ -3,7 +3,7 @@
 use glam::{Affine3A, Mat3, Quat, Vec3, vec3};
 
 use crate::node::Child;
-use crate::{AccelError, Bvh, Hit, Instance, MeshTree, PackedTree, Ray, SimdPath};
+use crate::{AccelError, Bvh, Hit, Instance, LightBuffer, MeshTree, PackedTree, Ray, SimdPath};
 
 mod packets;
 
@@ -868,4 +868,231 @@ fn instances_that_move_are_found_where_they_are() {
     let own = |hits: Vec<Hit>| hits.into_iter().map(|hit| hit.t).collect::<Vec<_>>();
     let stored = [&scene.static_triangles[..], &scene.moving].concat();
     assert_eq!(own(all_hits(&bvh, &ray)), own(all_hits(&Bvh::build(&stored), &ray)));
+}
+
+/// Where the rays of the tests begin.
+const REGION: [Vec3; 2] = [Vec3::splat(-8.0), Vec3::splat(8.0)];
+/// Bytes that never keep a list of the tests from being divided.
+const PLENTY: usize = 1 << 28;
+
+/// Hits of a buffer in the order in which they are visited.
+fn buffer_hits(buffer: &LightBuffer, ray: &Ray) -> Vec<Hit> {
+    let mut hits = Vec::new();
+    let is_served = buffer.traverse(ray, |hit| {
+        hits.push(hit);
+        ray.t_max
+    });
+    assert!(is_served, "{ray:?}");
+    hits
+}
+
+/// The same by triangle.
+fn sorted_buffer_hits(buffer: &LightBuffer, ray: &Ray) -> Vec<Hit> {
+    let mut hits = buffer_hits(buffer, ray);
+    hits.sort_by_key(|hit| hit.triangle);
+    hits
+}
+
+/// Directions of all kinds: along axes, in planes of two, and any.
+fn directions(random: &mut Random) -> Vec<Vec3> {
+    let mut directions = vec![Vec3::X, Vec3::NEG_Y, vec3(1.0, 0.0, 1.0), vec3(0.0, -1.0, 1e-7)];
+    directions.extend((0..4).map(|_| random.point() * random.unit().exp2()));
+    directions
+}
+
+/// A point of a triangle: a corner, on an edge, or inside.
+fn point_of(random: &mut Random, [a, b, c]: Triangle) -> Vec3 {
+    let along = (random.unit() * 3.0 - 1.0).clamp(0.0, 1.0);
+    let inwards = (random.unit() * 2.0 - 1.0).max(0.0);
+    a.lerp(b, along).lerp(c, inwards)
+}
+
+#[test]
+fn a_light_buffer_gives_the_hits_of_a_tree() {
+    let mut random = Random(30 << 16);
+    let mut large_and_small = random.soup(600, 0.01);
+    large_and_small.extend(random.soup(60, 2.0));
+    // Far beyond where rays begin.
+    large_and_small.extend(random.soup(20, 3000.0));
+    let soups = [
+        random.soup(5, 1.0),
+        random.soup(700, 0.15),
+        random.soup(2500, 0.3),
+        large_and_small,
+        icosphere(3, Vec3::ZERO, 0.8),
+        height_field(&mut random, 20),
+        Vec::new(),
+    ];
+    let mut found = 0;
+    for (soup, direction) in
+        soups.iter().flat_map(|soup| directions(&mut Random(31)).into_iter().map(move |d| (soup, d)))
+    {
+        // Elsewhere and in another unit, too: what is rounded there, bounds have to cover.
+        for (unit, offset) in [(1.0, Vec3::ZERO), (1e-6, Vec3::ZERO), (100.0, vec3(1e5, -3e5, 2e5))] {
+            let to_world = |p: Vec3| p * unit + offset;
+            let triangles: Vec<Triangle> = soup.iter().map(|triangle| triangle.map(to_world)).collect();
+            let bvh = Bvh::build(&triangles);
+            let is_opaque = |triangle: u32| triangle.is_multiple_of(3);
+            let region = REGION.map(to_world);
+            let build = |bytes| LightBuffer::build(&triangles, 0, is_opaque, direction, region, bytes);
+            let buffer = build(PLENTY).unwrap();
+            for _ in 0..40 {
+                let mut origin = to_world(random.point() * 1.5);
+                // Most go through corners, edges, or points of triangles, where they begin there.
+                if !triangles.is_empty() && !random.bits().is_multiple_of(4) {
+                    let triangle = triangles[random.bits() as usize % triangles.len()];
+                    let back = direction * (unit * random.unit());
+                    let through = point_of(&mut random, triangle) - back;
+                    if (region[0].cmple(through) & through.cmple(region[1])).all() {
+                        origin = through;
+                    }
+                }
+                let t_min = [0.0, -1.0, 0.1 * unit][random.bits() as usize % 3];
+                let t_max = [unit * (1.0 + random.unit()), f32::INFINITY][random.bits() as usize % 2];
+                let ray = Ray { origin, direction, t_min, t_max };
+                let expected = all_hits(&bvh, &ray);
+                found += expected.len();
+                for buffer in paths().map(|path| buffer.clone().with_path(path)) {
+                    // Opaque ones first; whatever that is, nothing twice.
+                    assert!(buffer_hits(&buffer, &ray).is_sorted_by_key(|hit| !is_opaque(hit.triangle)));
+                    assert_eq!(sorted_buffer_hits(&buffer, &ray), expected, "{ray:?}");
+                }
+            }
+        }
+    }
+    assert!(found > 15_000, "{found} hits");
+}
+
+#[test]
+fn a_light_buffer_misses_no_triangle_that_is_seen_from_its_edge() {
+    let mut random = Random(34 << 16);
+    let directions = [Vec3::Z, vec3(0.3, -0.2, 1.0), vec3(1.0, 0.7, -0.9)];
+    let mut found = 0;
+    for direction in directions {
+        // Needles and slivers along the rays, about as thin as rounding: which way their corners turn in the
+        // plane across is chance.
+        let triangles: Vec<Triangle> = (0..1500)
+            .map(|_| {
+                let (a, b) = (random.point(), random.point());
+                let c = a.lerp(b, (2.0 * random.unit()).min(1.0)) + direction * (random.unit() - 0.5);
+                [a, b, c + random.point() * (1e-7 * (16.0 * random.unit()).exp2())]
+            })
+            .collect();
+        let bvh = Bvh::build(&triangles);
+        let buffer = LightBuffer::build(&triangles, 0, |_| false, direction, REGION, PLENTY).unwrap();
+        for &triangle in &triangles {
+            let origin = point_of(&mut random, triangle) - direction * (3.0 * random.unit());
+            let ray = Ray { origin, direction, t_min: 0.0, t_max: f32::INFINITY };
+            let expected = all_hits(&bvh, &ray);
+            found += expected.len();
+            assert_eq!(sorted_buffer_hits(&buffer, &ray), expected, "{ray:?}");
+        }
+    }
+    assert!(found > 100, "{found} hits");
+}
+
+#[test]
+fn a_light_buffer_serves_one_direction_and_one_region() {
+    let mut random = Random(32 << 16);
+    let triangles = random.soup(700, 0.15);
+    let build = |direction, region| LightBuffer::build(&triangles, 0, |_| false, direction, region, PLENTY);
+    let buffer = build(Vec3::Z, REGION).unwrap();
+    let ray = |origin, direction| Ray { origin, direction, t_min: 0.0, t_max: f32::INFINITY };
+    let serves = |ray| buffer.traverse(&ray, |_| f32::INFINITY);
+    assert!(serves(ray(Vec3::ZERO, Vec3::Z)) && serves(ray(Vec3::splat(8.0), Vec3::Z)));
+    assert!(!serves(ray(Vec3::ZERO, vec3(1e-6, 0.0, 1.0))) && !serves(ray(Vec3::ZERO, 2.0 * Vec3::Z)));
+    assert!(!serves(ray(Vec3::splat(8.1), Vec3::Z)) && !serves(ray(Vec3::NAN, Vec3::Z)));
+    assert!(!serves(ray(Vec3::ZERO, Vec3::NAN)));
+    assert!(build(Vec3::ZERO, REGION).is_none() && build(Vec3::NAN, REGION).is_none());
+    assert!(build(Vec3::Z, [Vec3::NEG_INFINITY, Vec3::INFINITY]).is_none());
+    let nowhere = LightBuffer::build(&[], 0, |_| false, Vec3::Z, [Vec3::ZERO; 2], PLENTY);
+    assert!(nowhere.is_none());
+
+    // The comparison of hits is not blind: those of another direction differ wherever there are some.
+    let bvh = Bvh::build(&triangles);
+    let (mut met, mut differ) = (0, 0);
+    for origin in (0..200).map(|_| random.point()) {
+        let expected = all_hits(&bvh, &ray(origin, vec3(0.02, 0.0, 1.0)));
+        met += usize::from(!expected.is_empty());
+        let other = sorted_buffer_hits(&buffer, &ray(origin, Vec3::Z));
+        differ += usize::from(!expected.is_empty() && other != expected);
+    }
+    assert!(met > 50 && differ == met, "{differ} of {met}");
+}
+
+#[test]
+fn a_light_buffer_goes_from_the_light_to_the_point_and_stops_when_told() {
+    // Sheets across the rays, in no order.
+    let sheet = |height: f32| [vec3(-1.0, height, -1.0), vec3(1.0, height, -1.0), vec3(0.0, height, 1.0)];
+    let heights = [0.5, -0.2, 0.9, 0.1, 0.7, 0.3, -0.5, 0.8, 0.2, 0.6, 0.4];
+    let triangles = heights.map(sheet);
+    let is_opaque = |triangle: u32| triangle == 104 || triangle == 109;
+    let buffer = LightBuffer::build(&triangles, 100, is_opaque, Vec3::Y, REGION, PLENTY).unwrap();
+    let ray = Ray { origin: Vec3::ZERO, direction: Vec3::Y, t_min: 0.0, t_max: f32::INFINITY };
+    let visited = |most: usize| {
+        let mut numbers = Vec::new();
+        buffer.traverse(&ray, |hit| {
+            numbers.push(hit.triangle);
+            if numbers.len() == most { f32::NEG_INFINITY } else { f32::INFINITY }
+        });
+        numbers
+    };
+    let order = [104, 109, 102, 107, 100, 110, 105, 108, 103];
+    assert_eq!(visited(usize::MAX), order);
+    assert_eq!(visited(4), order[..4]);
+}
+
+#[test]
+fn a_light_buffer_keeps_to_its_memory_and_does_not_depend_on_threads() {
+    let mut random = Random(33 << 16);
+    // Thin ones across everything are in the most cells.
+    let mut triangles = random.soup(12_000, 0.2);
+    for triangle in &mut triangles[..4000] {
+        triangle[2] = triangle[1] + Vec3::splat(1e-4);
+        triangle[1] = random.point();
+    }
+    let direction = vec3(0.3, -1.0, 0.2);
+    let build = |threads: usize, bytes: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| LightBuffer::build(&triangles, 0, |_| false, direction, REGION, bytes))
+    };
+    let bvh = Bvh::build(&triangles);
+    let rays: Vec<Ray> = (0..100)
+        .map(|_| Ray { origin: random.point(), direction, t_min: 0.0, t_max: f32::INFINITY })
+        .collect();
+    let mut least = usize::MAX;
+    for bytes in [64 << 20, 8 << 20, 2 << 20] {
+        let (one, two) = (build(1, bytes).unwrap(), build(2, bytes).unwrap());
+        // With less memory lists are longer, and hits are the same.
+        assert!(one.bytes() <= bytes && one.bytes() < least, "{} of {bytes}", one.bytes());
+        assert_eq!(one.bytes(), two.bytes());
+        least = one.bytes();
+        for ray in &rays {
+            assert_eq!(buffer_hits(&one, ray), buffer_hits(&two, ray));
+            assert_eq!(sorted_buffer_hits(&one, ray), all_hits(&bvh, ray));
+        }
+    }
+    assert!(build(1, 1 << 19).is_none(), "not even a single list has room");
+}
+
+#[test]
+fn what_is_kept_is_found_by_itself() {
+    let mut random = Random(35 << 16);
+    let mut triangles = random.soup(900, 0.2);
+    let mut bvh = Bvh::build(&triangles[..400]);
+    bvh.rebuild_after(400, &triangles);
+    triangles.truncate(400);
+    let kept = Bvh::build(&triangles);
+    let mut differ = 0;
+    for ray in (0..200).map(|_| random.ray()) {
+        let mut hits = Vec::new();
+        bvh.traverse_kept(&ray, |hit| {
+            hits.push(hit);
+            ray.t_max
+        });
+        hits.sort_by_key(|hit| hit.triangle);
+        assert_eq!(hits, all_hits(&kept, &ray));
+        differ += usize::from(hits != all_hits(&bvh, &ray));
+    }
+    assert!(differ > 50, "{differ}: all of the tree has more");
 }

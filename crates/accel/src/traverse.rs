@@ -257,6 +257,7 @@ pub(crate) fn is_in_range(ray: &Ray) -> bool {
 
 /// The ray as the watertight triangle test needs it (Woop et al.): translation to its origin,
 /// axes permuted so that z is the fastest, and the shear that turns it into the z axis.
+#[derive(Clone, Copy)]
 pub(crate) struct Shear {
     /// Original axes that become x, y and z.
     pub(crate) axes: [usize; 3],
@@ -280,6 +281,18 @@ impl LaneHits {
     pub(crate) const NONE: Self =
         Self { lanes: 0, front: 0, t: [0.0; WIDTH], u: [0.0; WIDTH], v: [0.0; WIDTH] };
 
+    /// The hit of a lane of a block in the world.
+    #[inline(always)]
+    pub(crate) fn hit(&self, block: &Block, lane: usize) -> Hit {
+        Hit {
+            t: self.t[lane],
+            u: self.u[lane],
+            v: self.v[lane],
+            triangle: block.triangles[lane],
+            front: self.front >> lane & 1 != 0,
+        }
+    }
+
     /// Adds what [`Shear::exact`] found in a lane, if it lies within `[t_min, t_max]`.
     pub(crate) fn add(&mut self, lane: usize, hit: &Hit, t_min: f32, t_max: f32) {
         if t_min <= hit.t && hit.t <= t_max {
@@ -291,6 +304,18 @@ impl LaneHits {
 }
 
 impl Shear {
+    /// Of a ray by itself; none if it is out of the ranges that [`Ray`] names.
+    pub(crate) fn of(ray: &Ray) -> Option<Self> {
+        let slabs = Slabs::new(ray, Vec3A::ZERO, Vec3A::ZERO)?;
+        Some(Self::new(ray, slabs.inverse))
+    }
+
+    /// Of a ray in the same direction from elsewhere.
+    #[inline(always)]
+    pub(crate) fn at(&self, origin: Vec3) -> Self {
+        Self { origin: self.axes.map(|axis| origin[axis]), ..*self }
+    }
+
     /// `inverse` is 1 per unit of direction, of which the fastest axis counts.
     #[inline(always)]
     fn new(ray: &Ray, inverse: [f32; 3]) -> Self {
@@ -322,7 +347,7 @@ impl Shear {
     ///
     /// [`Shear::exact`] settles lanes where the sign of an area is lost.
     #[inline(always)]
-    fn hit<L: Lanes, P: Placement>(
+    pub(crate) fn hit<L: Lanes, P: Placement>(
         &self,
         lanes: L,
         place: &P,

@@ -81,6 +81,8 @@ works! {
         "Interactive Order-Independent Transparency", "NVIDIA", 2001;
     GUTHE_HECKBERT_2005: ["Guthe, S.", "Heckbert, P."],
         "Non-Power-of-Two Mipmap Creation", "NVIDIA", 2005;
+    HAINES_GREENBERG_1986: ["Haines, E. A.", "Greenberg, D. P."],
+        "The Light Buffer: A Shadow-Testing Accelerator", "IEEE Computer Graphics and Applications 6 (9)", 1986;
     HENYEY_GREENSTEIN_1941: ["Henyey, L. G.", "Greenstein, J. L."],
         "Diffuse radiation in the Galaxy", "The Astrophysical Journal 93", 1941;
     IZE_2013: ["Ize, T."],

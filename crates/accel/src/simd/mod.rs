@@ -15,6 +15,7 @@ mod x86;
 
 use std::fmt;
 
+use crate::column::{self, Column};
 use crate::instance::TopLevel;
 use crate::packet;
 use crate::ray::{Hit, Ray};
@@ -101,8 +102,23 @@ impl SupportedPath {
         }
     }
 
-    /// The same through a tree and the instances beside it. Here `visit` is called: what an instance costs
-    /// more than a triangle in the world outweighs that, and nothing is compiled twice.
+    /// Runs the walk down a light buffer's list compiled for the path. `visit` is inlined into it.
+    #[inline]
+    pub(crate) fn scan(self, column: &Column<'_>, t_max: f32, visit: impl FnMut(Hit) -> f32) {
+        match self.0 {
+            // SAFETY: `new` and `detect` make a `SupportedPath` only after `is_supported`.
+            #[cfg(target_arch = "x86_64")]
+            SimdPath::Avx512 => unsafe { x86::scan_avx512(column, t_max, visit) },
+            // SAFETY: as above.
+            #[cfg(target_arch = "x86_64")]
+            SimdPath::Avx2 => unsafe { x86::scan_avx2(column, t_max, visit) },
+            _ => column::scan(portable::Portable, column, t_max, visit),
+        }
+    }
+
+    /// The same as [`Self::traverse`] through a tree and the instances beside it. Here `visit` is called:
+    /// what an instance costs more than a triangle in the world outweighs that, and nothing is compiled
+    /// twice.
     pub(crate) fn traverse_two_levels(
         self,
         tree: Tree<'_>,

@@ -15,6 +15,7 @@ use std::arch::x86_64::{
 
 use super::lanes::Lanes;
 use super::stack::Stack;
+use crate::column::{self, Column};
 use crate::instance::TopLevel;
 use crate::node::{Child, WIDTH};
 use crate::packet;
@@ -108,6 +109,18 @@ pub(super) fn traverse_packet_two_levels_avx2(
     visit: &mut dyn FnMut(usize, Hit) -> f32,
 ) {
     packet::traverse_two_levels(Avx2(()), tree, top, rays, visit);
+}
+
+/// [`column::scan`] with AVX-512 instructions; everything below it is inlined here.
+#[target_feature(enable = "avx512f,avx512vl,avx512bw,avx512dq,avx2,bmi1,bmi2,lzcnt,popcnt")]
+pub(super) fn scan_avx512(column: &Column<'_>, t_max: f32, visit: impl FnMut(Hit) -> f32) {
+    column::scan(Avx512(()), column, t_max, visit);
+}
+
+/// [`column::scan`] with AVX2 instructions; everything below it is inlined here.
+#[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
+pub(super) fn scan_avx2(column: &Column<'_>, t_max: f32, visit: impl FnMut(Hit) -> f32) {
+    column::scan(Avx2(()), column, t_max, visit);
 }
 
 /// Made only inside the functions for AVX-512, which need the features.
