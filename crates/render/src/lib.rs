@@ -25,6 +25,7 @@ pub mod contract;
 mod cost;
 pub mod cpu;
 mod error;
+mod light_buffers;
 pub mod method;
 mod pipeline;
 mod settings;

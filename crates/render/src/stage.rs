@@ -2,12 +2,12 @@
 
 use std::{sync::Arc, time::Instant};
 
-use glam::{UVec2, Vec2};
+use glam::{UVec2, Vec2, Vec3};
 use rayon::{ThreadPool, ThreadPoolBuilder, prelude::*};
-use sheer_accel::{Bvh, Instance, MeshTree, Ray};
+use sheer_accel::{Bvh, Instance, LightBuffer, MeshTree, Ray};
 use sheer_scene::{Animator, CameraChoice, CameraPose, CameraRay, Frame, MeshInstance, Scene, Sharing};
 
-use crate::error::RenderError;
+use crate::{error::RenderError, light_buffers::LightBuffers};
 
 /// A point in time and the one its motion vectors point to.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,6 +26,7 @@ pub struct Stage {
     bvh: Bvh,
     /// The scene's meshes whose triangles instances share, ascending: those of the acceleration structure.
     shared_meshes: Vec<u32>,
+    light_buffers: LightBuffers,
     pool: ThreadPool,
     build_ms: f64,
     /// Ray origins are lifted off surfaces by this much, so that rounding does not shadow a surface by
@@ -84,7 +85,9 @@ impl Stage {
             }
             (animator, bvh, shared_meshes)
         });
-        Ok(Self { animator, bvh, shared_meshes, pool, build_ms: start.elapsed().as_secs_f64() * 1e3, lift })
+        let build_ms = start.elapsed().as_secs_f64() * 1e3;
+        let light_buffers = LightBuffers::default();
+        Ok(Self { animator, bvh, shared_meshes, light_buffers, pool, build_ms, lift })
     }
 
     /// From the next [`Self::advance`] on, the scene is seen from this pose, and no longer from its camera,
@@ -104,6 +107,7 @@ impl Stage {
             // Also where all that moves has gone, by being hidden or by dying.
             if static_count < frame.triangles().len().max(count_before) {
                 self.bvh.rebuild_after(static_count, frame.triangles());
+                self.light_buffers.clear();
             }
             let still_count = frame.static_counts().instances;
             if still_count < frame.instances().len() {
@@ -129,6 +133,12 @@ impl Stage {
     #[must_use]
     pub fn bvh(&self) -> &Bvh {
         &self.bvh
+    }
+
+    /// What moves, for rays towards a light infinitely far away and a picture of so many pixels; none where
+    /// it is to be found through the acceleration structure.
+    pub(crate) fn light_buffer(&self, to_light: Vec3, pixels: usize) -> Option<Arc<LightBuffer>> {
+        self.light_buffers.get(self.frame(), self.bvh.bounds(), to_light, pixels)
     }
 
     /// All triangles that the camera's ray through a point meets, by number, in ascending order. `point_px`:

@@ -10,6 +10,12 @@ const TRIANGLE_BYTES: u64 = 200;
 const OPACITY_BYTES: u64 = 112;
 /// Bytes more of one that moves: where it was, twice while that is found out, in lists that double.
 const MOTION_BYTES: u64 = 120;
+/// Bytes that light buffers may take for a triangle that moves: some twenty places in lists, which double as
+/// they grow.
+const LIGHT_BUFFER_BYTES: u64 = 2000;
+/// Bytes that the light buffers of a frame may take in all: beyond, they are coarse, and then not worth their
+/// making.
+const MOST_LIGHT_BUFFER_BYTES: u64 = 64 << 20;
 /// Bytes of an object: its entry in the scene, that in the frame, and a vector of weights.
 const OBJECT_BYTES: u64 = 400;
 
@@ -34,4 +40,11 @@ pub fn of_object(triangles: u64, drawn: Drawn) -> u64 {
     let opacity = if drawn.is_opaque { 0 } else { OPACITY_BYTES };
     let motion = if drawn.moves { MOTION_BYTES } else { 0 };
     triangles.saturating_mul(TRIANGLE_BYTES + opacity + motion).saturating_add(OBJECT_BYTES)
+}
+
+/// Bytes that all light buffers of a frame in which so many triangles move may take: lists of these triangles
+/// for the rays to each light that is infinitely far away. Whoever makes them keeps to it.
+#[must_use]
+pub fn light_buffer_bytes(moving_triangles: u64) -> u64 {
+    moving_triangles.saturating_mul(LIGHT_BUFFER_BYTES).min(MOST_LIGHT_BUFFER_BYTES)
 }

@@ -20,6 +20,7 @@ mod texture;
 
 pub use crate::{
     camera::{Camera, CameraPose, CameraRay, ClipPlanes, Lens, PixelBeam},
+    cost::light_buffer_bytes,
     environment::Environment,
     error::SceneError,
     frame::{

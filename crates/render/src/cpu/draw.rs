@@ -159,7 +159,8 @@ impl Draw<'_> {
         let mut planes = planes(width, height)?;
         let start = Instant::now();
         let FrameSettings { run: Settings { seed, shadow, .. }, frame, .. } = self.settings;
-        let shadows = Shadows::new(self.stage, shadow, *frame, *seed)?;
+        let pixels = width as usize * height as usize;
+        let shadows = Shadows::for_pixels(self.stage, shadow, *frame, *seed, pixels)?;
         let (counters, byproducts) = self.stage.pool().install(|| {
             // A row of tiles a task: few enough that 2 to 64 threads share a frame evenly.
             let bands = planes.par_bands_mut(TILE_SIDE);

@@ -139,6 +139,9 @@ impl fmt::Display for Shadow {
 /// The most bytes that the maps of a frame may take: more is a slip rather than a wish.
 const MOST_BYTES: usize = 4 << 30;
 
+/// Pixels of a picture of which nothing is known.
+const USUAL_PIXELS: usize = 1 << 18;
+
 /// The shadows of one frame: a map for each light.
 #[derive(Debug)]
 pub struct Shadows {
@@ -153,6 +156,17 @@ impl Shadows {
     /// # Errors
     /// [`RenderError::ShadowMaps`] if they would take too much memory.
     pub fn new(stage: &Stage, shadow: &Shadow, frame: u32, seed: u32) -> Result<Self, RenderError> {
+        Self::for_pixels(stage, shadow, frame, seed, USUAL_PIXELS)
+    }
+
+    /// The same for a picture of so many pixels: what is worth making depends on how often it is asked.
+    pub(crate) fn for_pixels(
+        stage: &Stage,
+        shadow: &Shadow,
+        frame: u32,
+        seed: u32,
+        pixels: usize,
+    ) -> Result<Self, RenderError> {
         let start = Instant::now();
         let technique = shadow.technique();
         let channels = if stage.frame().tints_light() { 3 } else { 1 };
@@ -166,7 +180,7 @@ impl Shadows {
         let maps = stage.pool().install(|| {
             let map = |(index, light): (usize, &FrameLight)| {
                 let [key, ..] = pcg3d([frame, seed, index as u32]);
-                technique.map(&View { stage, light, channels, key })
+                technique.map(&View { stage, light, pixels, channels, key })
             };
             lights.iter().enumerate().map(map).collect()
         });

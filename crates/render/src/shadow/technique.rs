@@ -61,6 +61,8 @@ pub(super) trait Map: fmt::Debug + Send + Sync {
 pub(super) struct View<'a> {
     pub(super) stage: &'a Stage,
     pub(super) light: &'a FrameLight,
+    /// How many pixels the picture has that asks, about.
+    pub(super) pixels: usize,
     /// 3 where light takes on colour, else 1: red stands for all.
     pub(super) channels: usize,
     /// A hash of frame, seed and light, by which random numbers differ.

@@ -6,8 +6,8 @@ use super::{
     property::Changing,
 };
 use crate::{
-    cost::{Drawn, of_object},
-    model::{AlphaMode, SceneParts},
+    cost::{Drawn, light_buffer_bytes, of_object},
+    model::{AlphaMode, LightKind, SceneParts},
 };
 
 /// The size of frames that share triangles as they do by default.
@@ -29,6 +29,7 @@ impl FrameSize {
         let is_shared = Sharing::default().choose(parts, |index| changing.has(parts, index));
         let mut are_stored = vec![false; parts.meshes.len()];
         let mut size = Self::default();
+        let mut moving_triangles = 0_u64;
         for (index, instance) in (0..).zip(&parts.instances) {
             let mesh = &parts.meshes[instance.mesh as usize];
             let is_opaque = parts.materials[mesh.material as usize].alpha_mode == AlphaMode::Opaque;
@@ -38,11 +39,16 @@ impl FrameSize {
             let is_known = shares && std::mem::replace(&mut are_stored[instance.mesh as usize], true);
             let moves = instance_moves(parts, &node_moves, index) || changing.has(parts, index);
             let drawn = Drawn { moves: moves && !shares, is_opaque };
+            moving_triangles = moving_triangles.saturating_add(if drawn.moves { triangles } else { 0 });
             size.add(triangles, if is_known { 0 } else { triangles }, drawn);
         }
         // Quads, each of which is an object.
         for _ in parts.particles.iter().flat_map(|system| &system.particles) {
+            moving_triangles = moving_triangles.saturating_add(2);
             size.add(2, 2, Drawn { moves: true, is_opaque: false });
+        }
+        if parts.lights.iter().any(|light| light.kind == LightKind::Directional) {
+            size.bytes = size.bytes.saturating_add(light_buffer_bytes(moving_triangles));
         }
         size
     }
