@@ -42,8 +42,13 @@ fn finish(mut child: Child) -> (Outcome, u64) {
     (outcome, peak_bytes)
 }
 
-/// The most memory that a process has had so far, in bytes.
+/// The most memory that a process of the binary has had so far, in bytes. Until its program is loaded, a
+/// child shows the memory of its parent, which here is that of all tests together.
 fn peak_of(process: u32) -> Option<u64> {
+    let program = fs::read_link(format!("/proc/{process}/exe")).ok()?;
+    if program != fs::canonicalize(env!("CARGO_BIN_EXE_sheer")).ok()? {
+        return None;
+    }
     let status = fs::read_to_string(format!("/proc/{process}/status")).ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
     line.trim().strip_suffix(" kB")?.parse::<u64>().ok().map(|kilobytes| kilobytes * 1024)
