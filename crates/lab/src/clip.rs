@@ -165,6 +165,7 @@ impl Clip {
                 Event::Rendered { at, cost, .. } => {
                     records[at].tally.add(cost);
                     progress.step();
+                    progress.go_on()?;
                 }
                 // The history has settled in the last half.
                 Event::Frame { index, pipelines, stage } if index >= self.frame_count / 2 => {

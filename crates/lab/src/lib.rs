@@ -28,6 +28,7 @@
 pub mod agreement;
 pub mod calibrate;
 mod clip;
+mod comparison_row;
 mod cost;
 mod error;
 pub mod experiments;
@@ -49,6 +50,7 @@ pub mod verify;
 
 pub use crate::{
     clip::{Clip, with_reference},
+    comparison_row::ComparisonRow,
     cost::measure_cost,
     error::{LabError, Result},
     exposure::Exposure,

@@ -13,7 +13,7 @@ use sheer_metrics::Uncovering;
 use sheer_render::{Antialiasing, Backend, Counters, Method, Moment, Settings};
 
 use crate::{
-    LabError, Progress, REFERENCE, Result, Timeline,
+    LabError, Progress, REFERENCE, Reference, Result, Timeline,
     play::{Event, pipelines, play},
     shown::Shown,
 };
@@ -57,6 +57,23 @@ impl Truth {
     #[must_use]
     pub fn new(settings: Settings, samples: u32) -> Self {
         Self { settings, samples, frames: Vec::new() }
+    }
+
+    /// The truth that is among the references of clips with these settings, if one is.
+    ///
+    /// # Errors
+    /// [`LabError::Misuse`] if there are two.
+    pub fn among(references: &[Reference], settings: Settings) -> Result<Option<Self>> {
+        let mut samples = references.iter().filter_map(|reference| match *reference {
+            Reference::Truth { samples } => Some(samples),
+            Reference::Same => None,
+        });
+        let truth = samples.next().map(|samples| Self::new(settings, samples));
+        if samples.next().is_some() {
+            let problem = "there is one truth a comparison; give --reference truth:samples=N once";
+            return Err(LabError::Misuse(problem.to_owned()));
+        }
+        Ok(truth)
     }
 
     /// What its clips have in common.
@@ -143,6 +160,7 @@ impl Truth {
             if let Event::Rendered { cost: (of_sample, _), .. } = event {
                 *counters = *counters + of_sample;
                 progress.step();
+                progress.go_on()?;
             }
             Ok(())
         })?;

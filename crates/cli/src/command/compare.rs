@@ -4,7 +4,7 @@ use std::path::Path;
 
 use sheer_image::{Picture, TextureLimits, read_picture};
 use sheer_lab::{
-    Clip, ERROR_FULL_SCALE, Foreign, Measured, REFERENCE, Reference, Timeline, Truth, figures,
+    Clip, ComparisonRow, ERROR_FULL_SCALE, Foreign, Measured, REFERENCE, Reference, Timeline, Truth, figures,
     file_name_from, with_reference,
 };
 use sheer_metrics::LEAST_VDP_SIDE_PX;
@@ -18,7 +18,7 @@ use crate::{
     output,
     report::{
         data_files::DataFiles,
-        json::{self, Comparison, ComparisonRow},
+        json::{self, Comparison},
         page::{
             self,
             comparison::{Entry, ForeignEntry, Page, TruthPicture},
@@ -54,7 +54,7 @@ fn compare<B: Backend>(arguments: &CompareArguments, backend: &B) -> anyhow::Res
     let methods = with_reference(without_repeats(&arguments.methods))?;
     let antialiasings = without_repeats(&arguments.antialiasings);
     let references = without_repeats(&arguments.references);
-    let mut truth = truth(&references, settings)?;
+    let mut truth = Truth::among(&references, settings)?;
     let pictures = foreign_pictures(arguments, &methods, &settings)?;
     let mut opened = arguments.scene.open(backend, settings.size, arguments.machine, console)?;
 
@@ -194,21 +194,6 @@ fn foreign_pictures<'a>(
 
 fn read(path: &Path) -> sheer_lab::Result<Picture> {
     Ok(read_picture(path, TextureLimits::default())?)
-}
-
-/// The truth, if it is asked for.
-fn truth(references: &[Reference], settings: Settings) -> Result<Option<Truth>, Misuse> {
-    let mut samples = references.iter().filter_map(|reference| match *reference {
-        Reference::Truth { samples } => Some(samples),
-        Reference::Same => None,
-    });
-    let truth = samples.next().map(|samples| Truth::new(settings, samples));
-    if samples.next().is_some() {
-        return Err(Misuse(
-            "there is one truth a comparison; give --reference truth:samples=N once".to_owned(),
-        ));
-    }
-    Ok(truth)
 }
 
 /// What to say of a reference that is not exact: a rasteriser's lists hold so many fragments and no more.
