@@ -10,16 +10,22 @@ use clap::{Args, Parser, Subcommand, ValueEnum, builder::RangedU64ValueParser, v
 use clap_complete::Shell;
 use glam::Vec3;
 use sheer_core::{
-    colour::linear_from_srgb,
     coverage::Correction,
     parameter::{Choice as _, split_name},
     suggestion::suggestion,
     text::MemorySize,
 };
 use sheer_gpu::{AdapterChoice, GpuPathChoice};
-use sheer_image::{Region, ToneCurve, read_whole, unit_from_u8};
+use sheer_image::{Region, ToneCurve, read_whole};
 use sheer_lab::Reference;
-use sheer_render::{Antialiasing, Backend, Background, Method, Shadow, backend::Cpu};
+use sheer_render::{
+    Antialiasing, Backend, Background, Method, Shadow,
+    backend::Cpu,
+    limits::{
+        FIELDS_OF_VIEW_DEGREES, FRAME_RATES, LAST_FRAME, LONGEST_SIDE_PX, MOST_EXPOSURE_EV, MOST_FRAMES,
+        MOST_SAMPLES, MOST_STRENGTH, MOST_THREADS,
+    },
+};
 use sheer_scene::{
     CameraChoice,
     environment::{NAMED, NamedEnvironment},
@@ -132,7 +138,7 @@ pub(crate) struct RenderArguments {
     pub(crate) raw: bool,
     /// Final frames: each is the mean of so many jittered samples of its own moment, while the clip plays,
     /// and owes nothing to those before it. In place of -a; one picture shows the first frame.
-    #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..=MOST_SAMPLES), conflicts_with_all = ["antialiasing", "raw"])]
+    #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..=i64::from(MOST_SAMPLES)), conflicts_with_all = ["antialiasing", "raw"])]
     pub(crate) samples: Option<u32>,
     /// Motion blur of --samples: the share of the time from frame to frame that the shutter is open, around
     /// the frame's moment; 0.5 is usual for film.
@@ -500,7 +506,7 @@ pub(crate) struct FrameArguments {
     pub(crate) time: f32,
     /// What lies behind everything: env (the scene's surroundings), #rrggbb, or none (the picture is
     /// transparent there).
-    #[arg(long, value_name = "env|#rrggbb|none", default_value = "env", value_parser = background)]
+    #[arg(long, value_name = "env|#rrggbb|none", default_value = "env")]
     pub(crate) background: Background,
     /// Seed of the dithering.
     #[arg(long, value_name = "N", default_value_t = 0)]
@@ -609,14 +615,6 @@ pub(crate) const DEFAULT_SIZE: Size = Size([960, 540]);
 pub(crate) const COMPARE_SIZE: Size = Size([400, 225]);
 /// Of experiments, of which there are many.
 pub(crate) const DEFAULT_EXPERIMENT_SIZE: Size = Size([240, 135]);
-/// A panorama in candela a square metre, or one in units of a candle.
-const MOST_STRENGTH: f32 = 1e6;
-/// Stops; from starlight to the sun are 30.
-const MOST_EXPOSURE_EV: f32 = 64.0;
-/// Pixels a side; 16k is more than any display has.
-const LONGEST_SIDE_PX: u32 = 16_384;
-/// Threads that can be asked for: more than any machine has processors.
-pub(crate) const MOST_THREADS: usize = 1024;
 /// Of a file with a correction; `sheer calibrate` writes a few hundred.
 const LONGEST_CORRECTION_BYTES: u64 = 1 << 20;
 
@@ -655,13 +653,6 @@ pub(crate) enum FrameSpan {
     /// From the first one so many.
     From(u32, u32),
 }
-
-/// Frames of a run.
-const MOST_FRAMES: u32 = 1_000_000;
-/// Samples of a frame.
-const MOST_SAMPLES: i64 = 65_536;
-/// Index of a frame.
-const LAST_FRAME: u32 = 1_000_000_000;
 
 impl FromStr for FrameSpan {
     type Err = String;
@@ -787,8 +778,10 @@ fn vector(text: &str) -> Result<Vec3, String> {
 }
 
 fn field_of_view(text: &str) -> Result<f32, String> {
-    let value = text.parse().ok().filter(|value| (0.001..=179.0).contains(value));
-    value.ok_or_else(|| "give degrees from 0.001 to 179".to_owned())
+    let value = text.parse().ok().filter(|value| FIELDS_OF_VIEW_DEGREES.contains(value));
+    value.ok_or_else(|| {
+        format!("give degrees from {} to {}", FIELDS_OF_VIEW_DEGREES.start(), FIELDS_OF_VIEW_DEGREES.end())
+    })
 }
 
 fn view_height(text: &str) -> Result<f32, String> {
@@ -802,8 +795,8 @@ fn shutter(text: &str) -> Result<f32, String> {
 }
 
 fn frame_rate(text: &str) -> Result<f32, String> {
-    let value = text.parse().ok().filter(|value| (0.01..=10_000.0).contains(value));
-    value.ok_or_else(|| "give frames a second from 0.01 to 10000".to_owned())
+    let value = text.parse().ok().filter(|value| FRAME_RATES.contains(value));
+    value.ok_or_else(|| format!("give frames a second from {} to {}", FRAME_RATES.start(), FRAME_RATES.end()))
 }
 
 fn environment(text: &str) -> Result<EnvironmentChoice, String> {
@@ -854,21 +847,6 @@ fn exposure(text: &str) -> Result<f32, String> {
     value.ok_or_else(|| format!("give a number of stops from -{MOST_EXPOSURE_EV} to {MOST_EXPOSURE_EV}"))
 }
 
-fn background(text: &str) -> Result<Background, String> {
-    match text {
-        "env" => Ok(Background::Environment),
-        "none" => Ok(Background::None),
-        _ => {
-            let is_colour =
-                |digits: &&str| digits.len() == 6 && digits.bytes().all(|digit| digit.is_ascii_hexdigit());
-            let digits = text.strip_prefix('#').filter(is_colour);
-            let bytes = digits.and_then(|digits| u32::from_str_radix(digits, 16).ok()).map(u32::to_be_bytes);
-            let [_, r, g, b] = bytes.ok_or("give env, none or a colour as in #7f7f7f")?;
-            Ok(Background::Colour(Vec3::from_array([r, g, b].map(|v| linear_from_srgb(unit_from_u8(v))))))
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -878,15 +856,6 @@ mod tests {
         assert_eq!("960x540".parse(), Ok(Size([960, 540])));
         for wrong in ["", "960", "0x540", "960x", "960x540x3", "-1x1", "1e3x1", "99999x1", "960 x 540"] {
             assert!(wrong.parse::<Size>().is_err(), "{wrong} passed");
-        }
-    }
-
-    #[test]
-    fn background_colours_are_srgb() {
-        let Ok(Background::Colour(linear)) = background("#ff8000") else { panic!("no colour") };
-        assert!((linear - Vec3::new(1.0, 0.215_86, 0.0)).abs().max_element() < 1e-4, "{linear}");
-        for wrong in ["#fff", "ff8000", "#ff80zz", "#+f8000", "blue", "#ｆｆ"] {
-            assert!(background(wrong).is_err(), "{wrong} passed");
         }
     }
 }

@@ -5,17 +5,17 @@ use std::{env, path::Path, sync::Arc};
 use anyhow::Context as _;
 use glam::Vec3;
 use rayon::ThreadPoolBuilder;
-use sheer_core::{colour::srgb_from_linear, parameter::Choice as _};
-use sheer_image::{Metadata, TextureLimits, Tone, read_panorama, u8_from_unit};
+use sheer_core::parameter::Choice as _;
+use sheer_image::{Metadata, TextureLimits, Tone, read_panorama};
 use sheer_lab::file_name_from;
 use sheer_load::LoadOptions;
-use sheer_render::{Antialiasing, Backend, Background, Method, RenderError, Settings, Shadow};
-use sheer_scene::{Camera, CameraChoice, CameraPose, Environment, Lens, Scene};
+use sheer_render::{Antialiasing, Backend, Method, RenderError, Settings, Shadow, limits::MOST_THREADS};
+use sheer_scene::{Camera, CameraChoice, Environment, Lens, Scene, SceneError, Viewpoint};
 
 use crate::{
     args::{
-        EnvironmentChoice, FrameArguments, FrameSpan, LightArguments, LoadArguments, MOST_THREADS,
-        MachineArguments, SceneArguments, Size, ToneArguments, ViewArguments,
+        EnvironmentChoice, FrameArguments, FrameSpan, LightArguments, LoadArguments, MachineArguments,
+        SceneArguments, Size, ToneArguments, ViewArguments,
     },
     console::Console,
     failure::Misuse,
@@ -206,23 +206,14 @@ impl ViewArguments {
             (None, Some(height)) => Some(Lens::Orthographic { half_height: 0.5 * height }),
             (None, None) => None,
         };
-        if self.eye.is_none() && lens.is_none() {
-            return Ok(choice);
-        }
-        let camera = scene.camera(&choice)?;
-        let lens = lens.unwrap_or(camera.lens);
-        // Under a name of its own no animation of a lens applies to it.
-        let name = "own".to_owned();
-        let Some(eye) = self.eye else {
-            return Ok(CameraChoice::Own(Camera { name, lens, ..camera }));
-        };
-        let target = self.target.unwrap_or_else(|| scene.bounding_sphere().0);
-        if eye == target {
-            let problem = "--eye and --target are the same point: there is no direction to look in";
-            return Err(Misuse(problem.to_owned()).into());
-        }
-        let up = self.up.unwrap_or(Vec3::Y);
-        Ok(CameraChoice::Own(Camera::still(&name, CameraPose::looking_at_with_up(lens, eye, target, up))))
+        let viewpoint = Viewpoint { eye: self.eye, target: self.target, up: self.up, lens };
+        viewpoint.camera(choice, scene).map_err(|error| match error {
+            SceneError::NoDirection => {
+                let problem = "--eye and --target are the same point: there is no direction to look in";
+                Misuse(problem.to_owned()).into()
+            }
+            other => other.into(),
+        })
     }
 
     /// As it was typed; empty where nothing was.
@@ -264,24 +255,12 @@ pub(crate) fn metadata(
         .with("method", method)
         .with("aa", aa)
         .with("shadow", settings.shadow)
-        .with("background", background_text(settings.background))
+        .with("background", settings.background)
         .with("fps", settings.frames_per_sec)
         .with("seed", settings.seed)
         .with("backend", backend.name())
         .with("commit", COMMIT)
         .with("version", VERSION)
-}
-
-/// A background as it is typed.
-fn background_text(background: Background) -> String {
-    match background {
-        Background::Environment => "env".to_owned(),
-        Background::None => "none".to_owned(),
-        Background::Colour(linear) => {
-            let [r, g, b] = linear.to_array().map(|value| u8_from_unit(srgb_from_linear(value)));
-            format!("#{r:02x}{g:02x}{b:02x}")
-        }
-    }
 }
 
 /// How figures of many scenes came about.

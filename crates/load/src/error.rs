@@ -70,6 +70,6 @@ pub(crate) fn beyond_limit(bytes: u64, left: u64, limit: u64) -> String {
 pub(crate) fn invalid_part(error: SceneError) -> (String, String) {
     match error {
         SceneError::Invalid { place, problem, .. } => (place, problem),
-        other @ SceneError::NoCamera { .. } => ("cameras".to_owned(), other.to_string()),
+        other => ("cameras".to_owned(), other.to_string()),
     }
 }

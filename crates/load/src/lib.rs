@@ -34,6 +34,7 @@ pub use contents::{Clip, Contents, Extension};
 pub use error::LoadError;
 pub use loaded::{LoadWarning, Loaded};
 pub use options::LoadOptions;
+pub use single::scene_of_mesh;
 
 /// Opens a scene file by path, with the default [`LoadOptions`].
 ///

@@ -26,6 +26,7 @@ mod cost;
 pub mod cpu;
 mod error;
 mod light_buffers;
+pub mod limits;
 pub mod method;
 mod pipeline;
 mod settings;

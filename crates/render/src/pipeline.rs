@@ -107,4 +107,10 @@ impl<M: Transparency> Pipeline<M> {
     pub fn planes(&self) -> &Planes {
         self.history.planes()
     }
+
+    /// The same, given up: for whoever wants no copy.
+    #[must_use]
+    pub fn into_planes(self) -> Planes {
+        self.history.into_planes()
+    }
 }

@@ -1,11 +1,15 @@
 //! What frames are rendered with, beside scene and method.
 
+use std::{fmt, str::FromStr};
+
 use glam::{Vec2, Vec3};
-use sheer_image::{Region, Tone};
+use sheer_core::colour::{linear_from_srgb, srgb_from_linear};
+use sheer_image::{Region, Tone, u8_from_unit, unit_from_u8};
 
 use crate::shadow::Shadow;
 
-/// What lies behind everything (`--background`).
+/// What lies behind everything (`--background`). Parse one from `env`, `none` or an sRGB colour, `#rrggbb`;
+/// it prints so.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Background {
     /// The scene's environment, as sharp as it is.
@@ -15,6 +19,40 @@ pub enum Background {
     Colour(Vec3),
     /// Nothing: the picture is transparent there.
     None,
+}
+
+impl FromStr for Background {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "env" => Ok(Self::Environment),
+            "none" => Ok(Self::None),
+            _ => {
+                let is_colour = |digits: &&str| {
+                    digits.len() == 6 && digits.bytes().all(|digit| digit.is_ascii_hexdigit())
+                };
+                let digits = text.strip_prefix('#').filter(is_colour);
+                let bytes =
+                    digits.and_then(|digits| u32::from_str_radix(digits, 16).ok()).map(u32::to_be_bytes);
+                let [_, r, g, b] = bytes.ok_or("give env, none or a colour as in #7f7f7f")?;
+                Ok(Self::Colour(Vec3::from_array([r, g, b].map(|v| linear_from_srgb(unit_from_u8(v))))))
+            }
+        }
+    }
+}
+
+impl fmt::Display for Background {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Environment => f.write_str("env"),
+            Self::None => f.write_str("none"),
+            Self::Colour(linear) => {
+                let [r, g, b] = linear.to_array().map(|value| u8_from_unit(srgb_from_linear(value)));
+                write!(f, "#{r:02x}{g:02x}{b:02x}")
+            }
+        }
+    }
 }
 
 /// What all frames of a run have in common.
@@ -99,4 +137,21 @@ pub struct LayerSplit {
 impl LayerSplit {
     /// Each layer is shaded as often as it is seen, as it is without a split.
     pub const AS_SEEN: Self = Self { least_share: 0.0 };
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn background_colours_are_srgb() {
+        let Ok(Background::Colour(linear)) = "#ff8000".parse() else { panic!("no colour") };
+        assert!((linear - Vec3::new(1.0, 0.215_86, 0.0)).abs().max_element() < 1e-4, "{linear}");
+        for wrong in ["#fff", "ff8000", "#ff80zz", "#+f8000", "blue", "#ｆｆ"] {
+            assert!(wrong.parse::<Background>().is_err(), "{wrong} passed");
+        }
+        for text in ["env", "none", "#ff8000", "#01fe7f"] {
+            assert_eq!(text.parse::<Background>().unwrap().to_string(), text);
+        }
+    }
 }

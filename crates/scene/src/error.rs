@@ -25,4 +25,7 @@ pub enum SceneError {
         /// Names of the cameras that it has.
         available: String,
     },
+    /// A camera is to look at the point where it is.
+    #[error("eye and target are the same point: there is no direction to look in")]
+    NoDirection,
 }

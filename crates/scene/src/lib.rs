@@ -17,6 +17,7 @@ pub mod model;
 pub mod particle;
 mod scene;
 mod texture;
+mod viewpoint;
 
 pub use crate::{
     camera::{Camera, CameraPose, CameraRay, ClipPlanes, Lens, PixelBeam},
@@ -33,4 +34,5 @@ pub use crate::{
     model::SceneParts,
     scene::{CameraChoice, Scene},
     texture::{LEAST_GAP, MOST_PROBES, MipChain, NEXT_LEVEL, decode_tables, level_bytes},
+    viewpoint::Viewpoint,
 };

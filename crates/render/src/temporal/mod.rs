@@ -201,6 +201,12 @@ impl History {
         &self.past.planes
     }
 
+    /// The same, given up.
+    #[must_use]
+    pub fn into_planes(self) -> Planes {
+        self.past.planes
+    }
+
     /// Starts anew: the next frame owes nothing to those before it.
     pub fn reset(&mut self) {
         self.past.layers = None;
