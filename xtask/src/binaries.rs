@@ -12,7 +12,7 @@ use std::{
 use anyhow::{Context as _, bail, ensure};
 use serde_json::Value;
 
-use crate::workspace::root;
+use crate::{wheel, workspace::root};
 
 /// More would take more memory than small machines have.
 const AT_A_TIME: usize = 2;
@@ -40,6 +40,7 @@ pub(crate) fn run(environment: &[(&str, &str)]) -> anyhow::Result<()> {
     let mut examples = Command::new("cargo");
     examples.args(["test", "--doc", "--workspace", "--locked"]).current_dir(root());
     jobs.insert(0, Job { name: "documentation's examples".to_owned(), command: examples });
+    jobs.push(Job { name: "Python".to_owned(), command: wheel::tests() });
     for job in &mut jobs {
         job.command.envs(environment.iter().copied());
     }

@@ -16,6 +16,7 @@ mod results;
 mod rules;
 mod setup;
 mod test;
+mod wheel;
 mod workspace;
 
 #[derive(Parser)]
@@ -28,7 +29,7 @@ struct Arguments {
 #[derive(Subcommand)]
 enum Task {
     /// Install what the tests need: rustfmt and clippy; where there is apt, a browser and a Vulkan driver; a
-    /// runner of Open Job Description.
+    /// runner of Open Job Description; what builds and tests the wheel for Python.
     Setup,
     /// Set up, then check format, rules and lints, build and test everything, documentation included.
     Test,
@@ -43,6 +44,8 @@ enum Task {
     /// Measure other tracers and renderers beside ours and write docs/performance.md: some minutes, on a
     /// machine that does nothing else.
     BenchPeers(peers::Peers),
+    /// Build the wheel for Python as the tests have it, and run its tests.
+    Python,
     /// Write the manual pages of the program, one a command.
     Man(man::Man),
     /// Render every .gltf and .glb file below a folder and write a contact sheet.
@@ -57,6 +60,7 @@ fn main() -> ExitCode {
         Task::Graph(graph) => graph.run(),
         Task::Results(results) => results.run(),
         Task::BenchPeers(peers) => peers.run(),
+        Task::Python => wheel::run(),
         Task::Man(man) => man.run(),
         Task::Gallery(gallery) => gallery.run(),
     };

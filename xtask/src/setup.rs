@@ -7,7 +7,7 @@ use std::{
 
 use crate::{
     apt::{self, apt_get},
-    driver, python,
+    driver, python, wheel,
     workspace::{call, root, target},
 };
 
@@ -51,6 +51,8 @@ pub(crate) fn programs() -> anyhow::Result<()> {
     }
     python::with_packages(&target().join("python"), &root().join("farm/requirements.txt"))?;
     eprintln!("setup: Open Job Description is there");
+    wheel::set_up()?;
+    eprintln!("setup: what builds and tests the wheel for Python is there");
     Ok(())
 }
 

@@ -9,7 +9,7 @@ use std::{
 use anyhow::{Context as _, anyhow, ensure};
 
 use crate::{
-    binaries, rules, setup,
+    binaries, rules, setup, wheel,
     workspace::{call, call_with, root, sources},
 };
 
@@ -27,13 +27,14 @@ pub(crate) fn run() -> anyhow::Result<()> {
         // Packages come over a network, which leaves the processors to the compiler.
         let programs = scope.spawn(setup::programs);
         // From what needs least to what needs most, so that a slip is told early.
-        let steps: [Step<'_>; 8] = [
+        let steps: [Step<'_>; 9] = [
             ("toolchain", Box::new(setup::toolchain)),
             ("format", Box::new(format)),
             ("rules", Box::new(rules::run)),
             ("lint", Box::new(lint)),
             ("build", Box::new(|| call("cargo", &["test", "--workspace", "--locked", "--no-run"]))),
             ("programs", Box::new(|| programs.join().map_err(|_| anyhow!("installing has panicked"))?)),
+            ("wheel", Box::new(wheel::install)),
             ("test", Box::new(|| binaries::run(&SOFTWARE_DRIVER))),
             ("document", Box::new(document)),
         ];
