@@ -8,6 +8,9 @@
 //! a sixteenth of the pixels, which `pixel-tile` traces as a packet a pixel. Single rays and packets go over
 //! the pixels in the same order.
 //!
+//! `motion`: a frame of 200k quads that all move, for which the tree is built anew (`rebuild`) or follows
+//! (`refit`), on all threads and on one.
+//!
 //! `sun`: as `shadow`, from hits all through the scene towards a light infinitely far away. They are found
 //! through the `tree`, as `packet`s of one direction from a tile each, and down the lists of a light
 //! `buffer`; `build` makes that. `cargo bench -p sheer-accel -- smoke/stochastic` runs one of them.
@@ -20,7 +23,7 @@ use std::time::Duration;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use glam::{Affine3A, Quat, Vec3, vec3};
-use scenes::{Geometry, Random, camera_ray, pcg, push_ball, shadow_ray, texture, unit};
+use scenes::{Geometry, Random, camera_ray, pcg, push_ball, push_quad, shadow_ray, texture, unit};
 use sheer_accel::{Bvh, Hit, Instance, LightBuffer, MeshTree, Ray, SimdPath};
 
 const WIDTH: u32 = 480;
@@ -255,6 +258,52 @@ fn build(criterion: &mut Criterion) {
     }
 }
 
+/// Quads of a cloud in which each goes its own way.
+const QUADS: u32 = 200_000;
+
+/// The triangles of a cloud at a time: quads that drift and turn, a step of 1 moves one by about its own
+/// size.
+fn cloud(step: f32) -> Vec<[Vec3; 3]> {
+    let mut random = Random(5);
+    let mut triangles = Vec::with_capacity(2 * QUADS as usize);
+    for _ in 0..QUADS {
+        let size = 0.01 + 0.02 * random.next();
+        let centre = random.in_ball() * vec3(2.4, 1.2, 1.2) + random.in_ball() * (0.03 * step);
+        let (sin, cos) = (TAU * random.next() + 0.1 * step).sin_cos();
+        push_quad(&mut triangles, centre, vec3(cos, sin, 0.0) * size, vec3(-sin, cos, 0.0) * size);
+    }
+    triangles
+}
+
+/// An animated frame in which everything moves: a tree built anew, and one that follows.
+fn motion(criterion: &mut Criterion) {
+    // There and back again, in small steps.
+    let frames: Vec<_> = [0.0, 0.1, 0.2, 0.3, 0.2, 0.1].map(cloud).into();
+    let successors: Vec<u32> = (0..2 * QUADS).collect();
+    let mut group = criterion.benchmark_group("motion");
+    group.sample_size(20).measurement_time(Duration::from_secs(5));
+    group.throughput(Throughput::Elements(u64::from(2 * QUADS)));
+    for (name, threads) in [("", 0), ("-1-thread", 1)] {
+        let pool =
+            rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads can be started");
+        let mut bvh = Bvh::build(&[]);
+        let mut frame = 0;
+        group.bench_function(format!("rebuild{name}"), |bencher| {
+            bencher.iter(|| {
+                frame = (frame + 1) % frames.len();
+                pool.install(|| bvh.rebuild_after(0, &frames[frame]));
+            });
+        });
+        group.bench_function(format!("refit{name}"), |bencher| {
+            bencher.iter(|| {
+                frame = (frame + 1) % frames.len();
+                pool.install(|| bvh.refit_after(0, &frames[frame], &successors))
+            });
+        });
+    }
+    group.finish();
+}
+
 /// What it costs to share the triangles of a mesh.
 fn instances(criterion: &mut Criterion) {
     let mut ball = Vec::new();
@@ -311,5 +360,5 @@ fn instances(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, build, rays, sun, instances);
+criterion_group!(benches, build, motion, rays, sun, instances);
 criterion_main!(benches);

@@ -27,8 +27,8 @@ const CHUNK: usize = 4096;
 /// [`INDEX_LIMIT`] triangles then take ten levels more.
 const HEURISTIC_LEVELS: u32 = 20;
 
-/// The same for the joint of two parts, whose [`JOINT`] references take three levels more. Together with
-/// those of a part they stay below the stack's limit.
+/// The same for the joint of up to three parts, whose [`JOINT`] references each take three levels more.
+/// Together with those of a part they stay below the stack's limit.
 const JOINT_HEURISTIC_LEVELS: u32 = 8;
 
 /// Subtrees that each part offers to the joint.
@@ -58,9 +58,23 @@ impl Bounds {
         Self { lower: self.lower.min(point), upper: self.upper.max(point) }
     }
 
+    /// The box that a node gives one of its children.
+    pub(crate) fn of_child(node: &Node, lane: usize) -> Self {
+        Self { lower: node.lower(lane).extend(0.0), upper: node.upper(lane).extend(0.0) }
+    }
+
+    /// Around a triangle.
+    pub(crate) fn of_triangle([a, b, c]: &[Vec3; 3]) -> Self {
+        Self { lower: a.min(*b).min(*c).extend(0.0), upper: a.max(*b).max(*c).extend(0.0) }
+    }
+
+    pub(crate) fn is_empty(self) -> bool {
+        self.lower.x > self.upper.x
+    }
+
     /// Half the surface area of the box.
     #[inline(always)]
-    fn half_area(self) -> f32 {
+    pub(crate) fn half_area(self) -> f32 {
         let size = self.upper - self.lower;
         size.x * size.y + size.y * size.z + size.z * size.x
     }
@@ -124,16 +138,41 @@ pub(crate) fn build(
 ) -> Option<Part> {
     let limit = INDEX_LIMIT - shift as usize;
     let range = range.start.min(limit)..range.end.min(limit);
-    let reference = |index: usize| {
-        let [a, b, c] = triangles[index];
-        Ref::new(a.min(b).min(c), a.max(b).max(c), index as u32)
-    };
     let kept = |index: &usize| is_kept(&triangles[*index]);
-    let mut refs: Vec<Ref> = if range.clone().into_par_iter().with_min_len(CHUNK).all(|index| kept(&index)) {
+    let reference = |index: usize| reference(triangles, index);
+    let refs: Vec<Ref> = if range.clone().into_par_iter().with_min_len(CHUNK).all(|index| kept(&index)) {
         range.into_par_iter().with_min_len(CHUNK).map(reference).collect()
     } else {
         range.filter(kept).map(reference).collect()
     };
+    plant(refs, triangles, shift, nodes, blocks)
+}
+
+/// The same over some triangles, all of which are kept.
+pub(crate) fn build_of(
+    triangles: &[[Vec3; 3]],
+    indices: &[usize],
+    shift: u32,
+    nodes: &mut Vec<Node>,
+    blocks: &mut Vec<Block>,
+) -> Option<Part> {
+    let refs = indices.iter().map(|&index| reference(triangles, index)).collect();
+    plant(refs, triangles, shift, nodes, blocks)
+}
+
+fn reference(triangles: &[[Vec3; 3]], index: usize) -> Ref {
+    let [a, b, c] = triangles[index];
+    Ref::new(a.min(b).min(c), a.max(b).max(c), index as u32)
+}
+
+/// Appends a tree over the triangles that are referred to.
+fn plant(
+    mut refs: Vec<Ref>,
+    triangles: &[[Vec3; 3]],
+    shift: u32,
+    nodes: &mut Vec<Node>,
+    blocks: &mut Vec<Block>,
+) -> Option<Part> {
     let rules = Rules { leaf_size: WIDTH, heuristic_levels: HEURISTIC_LEVELS };
     let built = rules.grow(&mut refs)?;
 
@@ -152,14 +191,18 @@ pub(crate) fn build(
     Some(Part { root: built.root.shifted(first_node, first_block), bounds: built.bounds })
 }
 
-/// Appends the nodes that make one tree of two parts. Both are opened down to their larger subtrees, and
-/// the heuristic arranges these anew; the opened nodes stay behind unused.
-pub(crate) fn join(a: Part, b: Part, nodes: &mut Vec<Node>) -> Part {
-    let mut subtrees = open(a, nodes);
-    subtrees.extend(open(b, nodes));
-    let boxes: Vec<Bounds> = subtrees.iter().map(|subtree| subtree.bounds).collect();
-    let roots: Vec<Child> = subtrees.iter().map(|subtree| subtree.root).collect();
-    arrange(&boxes, &roots, JOINT_HEURISTIC_LEVELS, nodes).expect("two parts give two boxes")
+/// Appends the nodes that make one tree of several parts, three at most. These are opened down to their
+/// larger subtrees, and the heuristic arranges them anew; the opened nodes stay behind unused. None without
+/// parts.
+pub(crate) fn join(parts: &[Part], nodes: &mut Vec<Node>) -> Option<Part> {
+    if let [_, _, ..] = parts {
+        let subtrees: Vec<Part> = parts.iter().flat_map(|&part| open(part, nodes)).collect();
+        let boxes: Vec<Bounds> = subtrees.iter().map(|subtree| subtree.bounds).collect();
+        let roots: Vec<Child> = subtrees.iter().map(|subtree| subtree.root).collect();
+        arrange(&boxes, &roots, JOINT_HEURISTIC_LEVELS, nodes)
+    } else {
+        parts.first().copied()
+    }
 }
 
 /// Appends a tree whose leaves are no blocks but `owners`, each in its box. None without any.
@@ -206,8 +249,7 @@ fn open(part: Part, nodes: &[Node]) -> Vec<Part> {
         subtrees.swap_remove(place);
         let node = &nodes[opened.root.index()];
         for (lane, &root) in node.children.iter().enumerate().filter(|(_, child)| **child != Child::NONE) {
-            let bounds = Bounds { lower: node.lower(lane).extend(0.0), upper: node.upper(lane).extend(0.0) };
-            subtrees.push(Part { root, bounds });
+            subtrees.push(Part { root, bounds: Bounds::of_child(node, lane) });
         }
     }
     subtrees

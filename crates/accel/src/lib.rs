@@ -7,6 +7,8 @@
 //!
 //! * Build: top-down binned surface area heuristic (Wald, *On fast Construction of SAH-based Bounding
 //!   Volume Hierarchies*, 2007), parallel at every level, the same tree for any number of threads.
+//! * Motion: what never moves is built once; the tree over what does is refitted ([`Bvh::refit_after`]) until
+//!   its quality, which is watched, has suffered.
 //! * Triangles: the watertight test of Woop, Benthin and Wald (*Watertight Ray/Triangle Intersection*,
 //!   JCGT 2013) with a fill rule, so that a ray through a shared edge or vertex hits exactly one of the
 //!   triangles around it: no hole, and no layer counted twice.
@@ -42,6 +44,7 @@ mod packed;
 mod packet;
 mod placement;
 mod ray;
+mod refit;
 mod simd;
 #[cfg(test)]
 mod tests;

@@ -6,6 +6,7 @@ use crate::node::Child;
 use crate::{AccelError, Bvh, Hit, Instance, LightBuffer, MeshTree, PackedTree, Ray, SimdPath};
 
 mod packets;
+mod refits;
 
 type Triangle = [Vec3; 3];
 

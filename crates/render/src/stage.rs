@@ -5,7 +5,9 @@ use std::{sync::Arc, time::Instant};
 use glam::{UVec2, Vec2, Vec3};
 use rayon::{ThreadPool, ThreadPoolBuilder, prelude::*};
 use sheer_accel::{Bvh, Instance, LightBuffer, MeshTree, Ray};
-use sheer_scene::{Animator, CameraChoice, CameraPose, CameraRay, Frame, MeshInstance, Scene, Sharing};
+use sheer_scene::{
+    Animator, CameraChoice, CameraPose, CameraRay, Frame, MeshInstance, MovingObjects, Scene, Sharing,
+};
 
 use crate::{error::RenderError, light_buffers::LightBuffers};
 
@@ -24,6 +26,8 @@ pub struct Moment {
 pub struct Stage {
     animator: Animator,
     bvh: Bvh,
+    /// What moves in the frame that `bvh` was last fitted to.
+    moving: MovingObjects,
     /// The scene's meshes whose triangles instances share, ascending: those of the acceleration structure.
     shared_meshes: Vec<u32>,
     light_buffers: LightBuffers,
@@ -74,7 +78,7 @@ impl Stage {
         let pool = ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).build()?;
         let lift = lift(&scene);
         let start = Instant::now();
-        let (animator, bvh, shared_meshes) = pool.install(|| {
+        let (animator, bvh, moving, shared_meshes) = pool.install(|| {
             let animator = Animator::with_sharing(scene, camera, sharing);
             let frame = animator.frame();
             let shared_meshes = shared_meshes(frame);
@@ -83,11 +87,12 @@ impl Stage {
             if frame.static_count() < frame.triangles().len() {
                 bvh.rebuild_after(frame.static_count(), frame.triangles());
             }
-            (animator, bvh, shared_meshes)
+            let moving = frame.moving_objects();
+            (animator, bvh, moving, shared_meshes)
         });
         let build_ms = start.elapsed().as_secs_f64() * 1e3;
         let light_buffers = LightBuffers::default();
-        Ok(Self { animator, bvh, shared_meshes, light_buffers, pool, build_ms, lift })
+        Ok(Self { animator, bvh, moving, shared_meshes, light_buffers, pool, build_ms, lift })
     }
 
     /// From the next [`Self::advance`] on, the scene is seen from this pose, and no longer from its camera,
@@ -97,7 +102,7 @@ impl Stage {
         self.animator.look_from(pose);
     }
 
-    /// Moves everything to a moment and rebuilds the acceleration structure over what moves.
+    /// Moves everything to a moment and fits the acceleration structure to what moves.
     pub fn advance(&mut self, moment: Moment) {
         let start = Instant::now();
         self.pool.install(|| {
@@ -106,7 +111,10 @@ impl Stage {
             let static_count = frame.static_count();
             // Also where all that moves has gone, by being hidden or by dying.
             if static_count < frame.triangles().len().max(count_before) {
-                self.bvh.rebuild_after(static_count, frame.triangles());
+                let moving = frame.moving_objects();
+                let successors = self.moving.successors(&moving);
+                self.bvh.refit_after(static_count, frame.triangles(), &successors);
+                self.moving = moving;
                 self.light_buffers.clear();
             }
             let still_count = frame.static_counts().instances;
@@ -260,6 +268,31 @@ mod tests {
             let (now, before) = seen_by(&by_pose);
             assert_eq!((now, before == pose, by_pose.frame().is_still()), (pose, is_still, is_still));
         }
+    }
+
+    #[test]
+    fn a_stage_that_has_played_finds_what_a_new_one_does() {
+        let scene = Arc::new(sheer_gallery::open("plume:particles=3000").unwrap().scene);
+        let new = || Stage::new(Arc::clone(&scene), &CameraChoice::Default, Some(2)).unwrap();
+        let (mut played, size) = (new(), [48, 27]);
+        let mut counts = Vec::new();
+        for frame in 0..8_u8 {
+            let time_secs = 3.0 + 0.2 * f32::from(frame);
+            let moment = Moment { time_secs, previous_secs: time_secs };
+            let mut at_once = new();
+            for stage in [&mut played, &mut at_once] {
+                stage.advance(moment);
+            }
+            for pixel in 0..48 * 27 {
+                let point_px = UVec2::new(pixel % 48, pixel / 48).as_vec2() + 0.5;
+                let through = [&played, &at_once].map(|stage| stage.triangles_through(point_px, size));
+                assert_eq!(through[0], through[1], "{point_px} at {time_secs} s");
+            }
+            counts.push(played.frame().triangles().len());
+        }
+        // Particles were born and died.
+        counts.dedup();
+        assert!(counts.len() > 4, "{counts:?}");
     }
 
     #[test]

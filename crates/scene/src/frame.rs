@@ -27,6 +27,7 @@ mod memory;
 mod pose;
 mod property;
 mod storage;
+mod succession;
 mod surface;
 
 use attribute::{QUAD_UVS, mix};
@@ -44,6 +45,7 @@ pub use storage::{
     Look, MIRRORED, MorphedAttributes, NO_TEXTURE, OPAQUE, Object, SINGLE_SIDED, SLOT, StaticCounts, TINTED,
     TriangleOpacity,
 };
+pub use succession::{GONE, MovingObjects};
 pub use surface::{Beam, Surface, Transmitted};
 
 /// Which side of a triangle is seen.

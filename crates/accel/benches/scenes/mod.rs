@@ -48,7 +48,7 @@ pub(crate) fn unit(bits: u32) -> f32 {
 }
 
 /// Two triangles whose texture runs from corner 0 to corner 2.
-fn push_quad(triangles: &mut Vec<[Vec3; 3]>, centre: Vec3, x: Vec3, y: Vec3) {
+pub(crate) fn push_quad(triangles: &mut Vec<[Vec3; 3]>, centre: Vec3, x: Vec3, y: Vec3) {
     let corners = [centre - x - y, centre + x - y, centre + x + y, centre - x + y];
     triangles.push([corners[0], corners[1], corners[2]]);
     triangles.push([corners[0], corners[2], corners[3]]);

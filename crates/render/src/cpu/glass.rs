@@ -58,20 +58,22 @@ impl Tracer<'_> {
 
     /// The tint of all glass between the eye and a hit, or the far distance.
     pub(super) fn tint_before(&self, ray: &CameraRay, hit: Option<&Hit>, counters: &mut Counters) -> Vec3 {
-        let mut tint = Vec3::ONE;
         if !self.has_glass {
-            return tint;
+            return Vec3::ONE;
         }
         let ray = self.ray(ray);
         let end = hit.map_or(ray.t_max, |hit| hit.t);
+        let mut tints: Vec<(Hit, Vec3)> = Vec::new();
         self.stage.bvh().traverse(&Ray { t_max: end, ..ray }, |other| {
             if hit.is_none_or(|hit| is_behind(hit, &other)) {
-                tint *= self.glass(&other).map_or(Vec3::ONE, |glass| glass.tint);
+                tints.extend(self.glass(&other).map(|glass| (other, glass.tint)));
             }
             end
         });
         counters.camera_rays += 1;
-        tint
+        // The order of the ray, as rounding would show that in which the tree happens to find them.
+        tints.sort_unstable_by(|(a, _), (b, _)| a.t.total_cmp(&b.t).then(a.triangle.cmp(&b.triangle)));
+        tints.into_iter().map(|(_, tint)| tint).product()
     }
 
     /// Linear radiance of a hit, as it arrives through the tints of all glass in front of it.
