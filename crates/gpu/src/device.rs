@@ -7,13 +7,14 @@ use std::{
     str::FromStr,
     sync::{
         Arc, Mutex, MutexGuard, PoisonError,
-        atomic::{AtomicBool, Ordering},
+        atomic::{AtomicBool, AtomicU64, Ordering},
     },
 };
 
 use wgpu::{DeviceType, DownlevelFlags, ErrorFilter, Features, TextureFormat, TextureFormatFeatureFlags};
 
 use crate::{
+    compiled::Compiled,
     error::GpuError,
     shader::linked::{self, Linked},
 };
@@ -93,6 +94,21 @@ impl AdapterReport {
             compute: flags.contains(DownlevelFlags::COMPUTE_SHADERS),
             storage_in_raster: flags.contains(storage_in_raster),
         }
+    }
+
+    /// The same, less what a device was opened without.
+    fn of_device(adapter: &wgpu::Adapter, device: &wgpu::Device) -> Self {
+        let (features, limits) = (device.features(), device.limits());
+        let mut report = Self::new(adapter);
+        report.ray_query = features.contains(Features::EXPERIMENTAL_RAY_QUERY);
+        report.timestamps = features.contains(Features::TIMESTAMP_QUERY);
+        if !features.contains(Features::TEXTURE_ADAPTER_SPECIFIC_FORMAT_FEATURES) {
+            // What WebGPU guarantees.
+            report.msaa.retain(|&count| count == 4);
+        }
+        report.max_storage_bytes = limits.max_storage_buffer_binding_size;
+        report.max_storage_buffers = limits.max_storage_buffers_per_shader_stage;
+        report
     }
 }
 
@@ -178,13 +194,20 @@ struct Open {
     queue: wgpu::Queue,
     faults: Arc<Mutex<Faults>>,
     generation: u32,
+    compiled: Arc<Mutex<Compiled>>,
 }
 
-/// An adapter with its device. When the device is lost a new one takes its place: what was made with the old
-/// one has another [`Self::generation`] and has to be made again.
+/// An adapter with its device.
+///
+/// One that [`Self::new`] has opened is replaced when it is lost: what was made with the old one has another
+/// [`Self::generation`] and has to be made again. One that the caller has opened ([`Self::from_wgpu`]) stays
+/// the caller's: no callback is set, nothing is reopened.
+///
+/// Shaders and pipelines are compiled once a device, whatever asks for them.
 #[derive(Debug)]
 pub struct Gpu {
-    choice: AdapterChoice,
+    /// By what a lost device is replaced; none where it is the caller's.
+    choice: Option<AdapterChoice>,
     tracer: Option<Tracer>,
     report: AdapterReport,
     /// Where the sources of shaders are written, if anywhere.
@@ -193,10 +216,11 @@ pub struct Gpu {
     /// Whether the scene sent last has coloured glass: pipelines are made before they meet their stage, and
     /// are spared making their shaders twice where the guess is right.
     expects_glass: AtomicBool,
+    wait_count: AtomicU64,
 }
 
 /// Nothing is left half-done by a panic here.
-fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+pub(crate) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
@@ -215,23 +239,47 @@ impl Gpu {
     /// As [`Self::new`], or the adapter has no ray query.
     pub fn with_tracer(choice: &AdapterChoice, tracer: Option<Tracer>) -> Result<Arc<Self>, GpuError> {
         let (report, open) = open(choice, tracer, 0)?;
-        Ok(Arc::new(Self {
-            choice: choice.clone(),
+        Ok(Self::of_parts(Some(choice.clone()), tracer, report, open))
+    }
+
+    /// See [`Self::from_wgpu`], which looks at what the device was opened with.
+    pub(crate) fn of_caller(adapter: &wgpu::Adapter, device: wgpu::Device, queue: wgpu::Queue) -> Arc<Self> {
+        let report = AdapterReport::of_device(adapter, &device);
+        let open = Open { device, queue, faults: Arc::default(), generation: 0, compiled: Arc::default() };
+        Self::of_parts(None, None, report, open)
+    }
+
+    fn of_parts(
+        choice: Option<AdapterChoice>,
+        tracer: Option<Tracer>,
+        report: AdapterReport,
+        open: Open,
+    ) -> Arc<Self> {
+        Arc::new(Self {
+            choice,
             tracer,
             report,
             shader_folder: linked::folder(),
             open: Mutex::new(open),
             expects_glass: AtomicBool::new(false),
-        }))
+            wait_count: AtomicU64::new(0),
+        })
+    }
+
+    /// Whether the device is the caller's.
+    pub(crate) fn is_foreign(&self) -> bool {
+        self.choice.is_none()
     }
 
     /// The device that is open now: another one after it was lost.
-    pub(crate) fn device(&self) -> wgpu::Device {
+    #[must_use]
+    pub fn device(&self) -> wgpu::Device {
         lock(&self.open).device.clone()
     }
 
     /// The queue of the device that is open now.
-    pub(crate) fn queue(&self) -> wgpu::Queue {
+    #[must_use]
+    pub fn queue(&self) -> wgpu::Queue {
         lock(&self.open).queue.clone()
     }
 
@@ -278,13 +326,67 @@ impl Gpu {
     /// Takes a new device in the place of a lost one. Nothing happens if that was done since `generation`.
     ///
     /// # Errors
-    /// As [`Self::new`].
+    /// As [`Self::new`]; [`GpuError::DeviceLost`] where the device is the caller's.
     pub(crate) fn reopen(&self, generation: u32) -> Result<(), GpuError> {
+        let Some(choice) = &self.choice else { return Err(lost_to_the_caller()) };
         let mut current = lock(&self.open);
         if current.generation == generation {
-            *current = open(&self.choice, self.tracer, generation + 1)?.1;
+            *current = open(choice, self.tracer, generation + 1)?.1;
         }
         Ok(())
+    }
+
+    /// Where compiled shaders and pipelines of the open device are kept.
+    pub(crate) fn compiled(&self) -> Arc<Mutex<Compiled>> {
+        Arc::clone(&lock(&self.open).compiled)
+    }
+
+    /// From here on pipelines are compiled through a cache of the caller's, which may be kept from run to run
+    /// (`Features::PIPELINE_CACHE`; made by `Device::create_pipeline_cache` of this device).
+    pub fn use_pipeline_cache(&self, cache: wgpu::PipelineCache) {
+        lock(&self.compiled()).driver_cache = Some(cache);
+    }
+
+    /// How many pipelines were compiled with the device that is open now.
+    #[must_use]
+    pub fn pipelines_compiled(&self) -> u64 {
+        lock(&self.compiled()).pipeline_count
+    }
+
+    /// How often the device was waited for so far; every read-back is among them.
+    #[must_use]
+    pub fn wait_count(&self) -> u64 {
+        self.wait_count.load(Ordering::Relaxed)
+    }
+
+    /// Does something with the device: on one of the caller's within error scopes of this thread, since no
+    /// callback hears of its errors there.
+    ///
+    /// # Errors
+    /// Those of `make`; the device is lost or has refused something.
+    pub(crate) fn scoped<T>(
+        &self,
+        what: &str,
+        make: impl FnOnce() -> Result<T, GpuError>,
+    ) -> Result<T, GpuError> {
+        if !self.is_foreign() {
+            return make();
+        }
+        let device = self.device();
+        let filters = [ErrorFilter::OutOfMemory, ErrorFilter::Validation, ErrorFilter::Internal];
+        let scopes = filters.map(|filter| device.push_error_scope(filter));
+        let made = if is_lost(&device) { Err(lost_to_the_caller()) } else { make() };
+        // The scope pushed last is popped first; what has failed is known at once, without the device.
+        let errors = scopes.into_iter().rev().filter_map(|scope| pollster::block_on(scope.pop())).collect();
+        self.note(errors);
+        let told = self.check(what);
+        made.and_then(|made| told.map(|()| made))
+    }
+
+    /// Keeps errors for the next [`Self::check`].
+    pub(crate) fn note(&self, errors: Vec<wgpu::Error>) {
+        let open = lock(&self.open);
+        lock(&open.faults).errors.extend(errors);
     }
 
     /// Loses the device, as a driver that has crashed does: to try what comes of it.
@@ -315,6 +417,10 @@ impl Gpu {
         if let Some(folder) = &self.shader_folder {
             linked.write(folder)?;
         }
+        let compiled = self.compiled();
+        if let Some(module) = lock(&compiled).module(&linked.text) {
+            return Ok(module);
+        }
         let device = self.device();
         let scope = device.push_error_scope(ErrorFilter::Validation);
         let source = wgpu::ShaderSource::Wgsl(linked.text.as_str().into());
@@ -325,7 +431,10 @@ impl Gpu {
                 piece: linked.piece.clone(),
                 problem: linked.relocated(&error.to_string()),
             }),
-            None => Ok(module),
+            None => {
+                lock(&compiled).keep_module(&linked.text, &module);
+                Ok(module)
+            }
         }
     }
 
@@ -334,10 +443,44 @@ impl Gpu {
     /// # Errors
     /// The device is lost.
     pub(crate) fn wait(&self) -> Result<(), GpuError> {
+        self.wait_count.fetch_add(1, Ordering::Relaxed);
         let result = self.device().poll(wgpu::PollType::wait_indefinitely());
         self.check("waiting for the device")?;
         result.map(|_| ()).map_err(|error| GpuError::DeviceLost { reason: error.to_string() })
     }
+
+    /// The same, so that the time it takes is known; a device of the caller's is not waited for.
+    ///
+    /// # Errors
+    /// As [`Self::wait`].
+    pub(crate) fn settle(&self) -> Result<(), GpuError> {
+        if self.is_foreign() { Ok(()) } else { self.wait() }
+    }
+
+    /// Lets wgpu give back what submissions that are done no longer need; waits for none.
+    ///
+    /// # Errors
+    /// The device is lost.
+    pub(crate) fn tidy_up(&self) -> Result<(), GpuError> {
+        let polled = self.device().poll(wgpu::PollType::Poll);
+        polled.map(|_| ()).map_err(|error| GpuError::DeviceLost { reason: error.to_string() })
+    }
+}
+
+/// Whether a device is lost, without a callback: on such a device no buffer can be mapped.
+fn is_lost(device: &wgpu::Device) -> bool {
+    let buffer = device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some("sheer: is the device there"),
+        size: wgpu::COPY_BUFFER_ALIGNMENT,
+        usage: wgpu::BufferUsages::MAP_WRITE | wgpu::BufferUsages::COPY_SRC,
+        mapped_at_creation: true,
+    });
+    let is_mapped = buffer.get_mapped_range(..).is_ok();
+    !is_mapped
+}
+
+fn lost_to_the_caller() -> GpuError {
+    GpuError::DeviceLost { reason: "it is the caller's, and so is another one".to_owned() }
 }
 
 /// An error of wgpu as one of ours; `what` was being done.
@@ -385,7 +528,7 @@ fn open(
         let reason = if reason.is_empty() { "the driver gives no reason".to_owned() } else { reason };
         lock(&record).lost = Some(reason);
     });
-    Ok((report, Open { device, queue, faults, generation }))
+    Ok((report, Open { device, queue, faults, generation, compiled: Arc::default() }))
 }
 
 /// Ray query is marked experimental in wgpu as a whole.

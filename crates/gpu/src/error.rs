@@ -31,6 +31,17 @@ pub enum GpuError {
         /// What to do instead.
         instead: String,
     },
+    /// A device of the caller's was opened without what is needed.
+    #[error(
+        "the device of {adapter} was opened without {}; ask for what `Needs` says, where the adapter has it",
+        .missing.join(", ")
+    )]
+    Lacks {
+        /// The adapter's name, as the driver gives it.
+        adapter: String,
+        /// Features and limits by wgpu's names; a limit with what it has to be and what it is.
+        missing: Vec<String>,
+    },
     /// A shader does not link or compile.
     #[error("shader {piece}: {problem}")]
     Shader {
@@ -57,7 +68,7 @@ pub enum GpuError {
         /// What was to be made.
         what: String,
     },
-    /// The device is gone and a new one failed as well.
+    /// The device is gone, and a new one failed as well or is up to the caller, whose device it was.
     #[error("the device was lost: {reason}")]
     DeviceLost {
         /// What the driver says.

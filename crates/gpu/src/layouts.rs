@@ -4,7 +4,9 @@
 use wgpu::{BindGroupEntry, BindGroupLayoutEntry, BufferBindingType, ShaderStages};
 
 use crate::{
-    resource::bind_group::{buffer_entry, group_of, layout, read_only_entry, whole},
+    compile::layout,
+    device::Gpu,
+    resource::bind_group::{buffer_entry, group_of, read_only_entry, whole},
     shader::binding::{BIND_COUNTERS, BIND_FRAME, BIND_LAYERS, BIND_PIXELS, BIND_SURFACES, BIND_TABLES},
 };
 
@@ -20,13 +22,9 @@ pub(crate) struct Layouts {
 impl Layouts {
     /// `scene` lays out the stage's part of group 0, `more` what group 1 has beside what all passes write:
     /// the layers of the pixels and the shadow maps, where there are any.
-    pub(crate) fn new(
-        device: &wgpu::Device,
-        scene: &[BindGroupLayoutEntry],
-        more: &[BindGroupLayoutEntry],
-    ) -> Self {
+    pub(crate) fn new(gpu: &Gpu, scene: &[BindGroupLayoutEntry], more: &[BindGroupLayoutEntry]) -> Self {
         let [group_0, group_1] = Self::entries(scene, more);
-        Self { scene: layout(device, "scene", &group_0), pass: layout(device, "pass", &group_1) }
+        Self { scene: layout(gpu, "scene", &group_0), pass: layout(gpu, "pass", &group_1) }
     }
 
     /// The entries of groups 0 and 1.

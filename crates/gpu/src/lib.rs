@@ -3,11 +3,17 @@
 
 mod accel;
 mod backend;
+mod compile;
+mod compiled;
 mod device;
 mod error;
+mod foreign;
 mod frame;
 mod layouts;
+mod needs;
+mod opaque_input;
 mod path;
+mod picture;
 mod pipeline;
 mod pixels;
 mod raster;
@@ -23,12 +29,19 @@ mod temporal;
 #[cfg(test)]
 mod tests;
 mod timing;
+mod view;
 
 pub use crate::{
     backend::GpuBackend,
     device::{AdapterChoice, AdapterReport, Gpu, Tracer, adapters},
     error::GpuError,
+    needs::Needs,
+    opaque_input::Opaque,
     path::{GpuPath, GpuPathChoice},
+    picture::Picture,
     pipeline::GpuPipeline,
     stage::GpuStage,
+    view::View,
 };
+/// The version of wgpu whose devices are taken.
+pub use wgpu;

@@ -44,7 +44,7 @@ impl GpuPath {
     }
 
     /// Storage buffers that a shader of the path binds at most, shadow maps aside.
-    fn storage_buffer_count(self, tracer: Tracer) -> u32 {
+    pub(crate) fn storage_buffer_count(self, tracer: Tracer) -> u32 {
         let is_storage = |entry: &&BindGroupLayoutEntry| {
             matches!(entry.ty, BindingType::Buffer { ty: BufferBindingType::Storage { .. }, .. })
         };
@@ -56,12 +56,12 @@ impl GpuPath {
         }
     }
 
-    /// Whether an adapter has what the path cannot do without.
     /// Whether light that shines through coloured glass takes its colour.
     pub(crate) fn follows_glass(self) -> bool {
         self == Self::Ray
     }
 
+    /// Whether an adapter has what the path cannot do without.
     fn check(self, report: &AdapterReport) -> Result<(), GpuError> {
         let tracer = if report.ray_query { Tracer::Query } else { Tracer::Bvh };
         let needed = self.storage_buffer_count(tracer);
@@ -100,6 +100,18 @@ impl GpuPathChoice {
     }
 }
 
+/// # Errors
+/// Nothing but a rasteriser runs the method.
+pub(crate) fn goes_by_rays(method: &Method) -> Result<(), GpuError> {
+    if Search::of(method).is_some() {
+        return Ok(());
+    }
+    Err(GpuError::Unsupported {
+        what: format!("method {} wants its fragments in the order in which they are drawn", method.info().id),
+        instead: "take --backend gpu or gpu:raster".to_owned(),
+    })
+}
+
 /// Decides by what the user wants, what the method is and what the device can; and what the user should know
 /// of it.
 ///
@@ -110,20 +122,13 @@ pub(crate) fn choose_path(
     choice: GpuPathChoice,
     method: &Method,
 ) -> Result<(GpuPath, Vec<String>), GpuError> {
-    let goes_by_rays = Search::of(method).is_some();
     let (path, notes) = match choice {
         GpuPathChoice::Raster => (GpuPath::Raster, Vec::new()),
-        GpuPathChoice::Ray if goes_by_rays => (GpuPath::Ray, Vec::new()),
         GpuPathChoice::Ray => {
-            return Err(GpuError::Unsupported {
-                what: format!(
-                    "method {} wants its fragments in the order in which they are drawn",
-                    method.info().id
-                ),
-                instead: "take --backend gpu or gpu:raster".to_owned(),
-            });
+            goes_by_rays(method)?;
+            (GpuPath::Ray, Vec::new())
         }
-        GpuPathChoice::Automatic if !goes_by_rays => (GpuPath::Raster, Vec::new()),
+        GpuPathChoice::Automatic if Search::of(method).is_none() => (GpuPath::Raster, Vec::new()),
         GpuPathChoice::Automatic if gpu.tracer() == Tracer::Query => (GpuPath::Ray, Vec::new()),
         GpuPathChoice::Automatic => {
             let name = &gpu.report().name;

@@ -4,7 +4,8 @@
 //! its pixels, its history, its shadow maps. What depends on the scene belongs to the stage, so that several
 //! pipelines render the same moment of one stage, as `compare` and `bench` ask for. Nothing leaves the device
 //! before it is read: [`GpuPipeline::submit`] sends a frame off and returns, [`GpuPipeline::render`] waits
-//! for it and reads what it cost, [`GpuPipeline::planes`] reads the picture.
+//! for it and reads what it cost, [`GpuPipeline::planes`] reads the picture. [`GpuPipeline::record`] leaves
+//! the sending to a caller who has an encoder and a texture for the picture.
 //!
 //! All of a pipeline's part of the device is one value, [`Resources`], which remembers the generation of the
 //! device that it was made with: after a device is lost it is made anew as a whole, and nothing of the old
@@ -22,7 +23,7 @@ use sheer_render::{
     contract::{Alignment, Hybrid, Raster},
     temporal::{jitter, of_run},
 };
-use wgpu::{BufferUsages, util::DeviceExt};
+use wgpu::BufferUsages;
 
 use crate::{
     accel,
@@ -30,7 +31,10 @@ use crate::{
     error::GpuError,
     frame::FrameParameters,
     layouts::Layouts,
+    needs::Needs,
+    opaque_input::{DepthKind, Opaque, OpaqueInput},
     path::{GpuPath, GpuPathChoice, choose_path},
+    picture::{Picture, PicturePass},
     pixels::{LAYERS_BYTES, PIXEL_BYTES, read_planes},
     raster::{RasterPath, multisample::Sampling, plan::raster_of},
     ray::{OneLayer, RayPath, Search},
@@ -65,6 +69,15 @@ enum Executor {
     Raster(Box<RasterPath>),
 }
 
+/// What shaders differ by beside method and settings.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Linking {
+    /// Whether they follow the light through coloured glass.
+    has_glass: bool,
+    /// In which kind of texture the caller's depths are, if the caller draws what is opaque.
+    input: Option<DepthKind>,
+}
+
 /// Everything on the device that belongs to one pipeline.
 #[derive(Debug)]
 struct Resources {
@@ -83,12 +96,17 @@ struct Resources {
     history: History,
     timer: Timer,
     shadows: Option<ShadowMaps>,
-    pass_group: wgpu::BindGroup,
+    /// None before what it binds of the caller's is known.
+    pass_group: Option<wgpu::BindGroup>,
     /// With the version of the stage that it was made for.
     scene_group: Option<(u64, wgpu::BindGroup)>,
     generation: u32,
-    /// Whether its shaders follow the light through coloured glass.
-    has_glass: bool,
+    /// What its shaders were linked for.
+    linking: Linking,
+    /// What the caller has drawn behind the scene.
+    opaque: Option<OpaqueInput>,
+    /// Made when the first picture is asked for.
+    picture: Option<PicturePass>,
 }
 
 /// A method and its accumulated history.
@@ -117,6 +135,34 @@ impl GpuPipeline {
         antialiasing: Antialiasing,
         settings: Settings,
     ) -> Result<Self, GpuError> {
+        Self::linked(gpu, choice, method, antialiasing, settings, None)
+    }
+
+    /// The same for scenes behind which the caller draws, with depths in textures of `depth_format`: of depth
+    /// or of floats. [`Self::record_over`] compiles no other shaders then.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn with_opaque(
+        gpu: &Arc<Gpu>,
+        choice: GpuPathChoice,
+        method: Method,
+        antialiasing: Antialiasing,
+        settings: Settings,
+        depth_format: wgpu::TextureFormat,
+    ) -> Result<Self, GpuError> {
+        let input = Some(DepthKind::of(depth_format));
+        Self::linked(gpu, choice, method, antialiasing, settings, input)
+    }
+
+    fn linked(
+        gpu: &Arc<Gpu>,
+        choice: GpuPathChoice,
+        method: Method,
+        antialiasing: Antialiasing,
+        settings: Settings,
+        input: Option<DepthKind>,
+    ) -> Result<Self, GpuError> {
         if let Some(crop) = settings.crop {
             return Err(GpuError::Unsupported {
                 what: format!("a GPU renders whole pictures, not the part {crop} of one"),
@@ -124,6 +170,9 @@ impl GpuPipeline {
             });
         }
         let (path, mut notes) = choose_path(gpu, choice, &method)?;
+        if gpu.is_foreign() {
+            Needs::of(&method, path)?.check(&gpu.report().name, &gpu.device())?;
+        }
         let has_glass = gpu.expects_glass();
         if has_glass && !path.follows_glass() {
             notes.push(format!(
@@ -131,8 +180,9 @@ impl GpuPipeline {
                  gpu:ray those of methods that go by rays"
             ));
         }
-        let has_glass = has_glass && path.follows_glass();
-        let resources = Resources::new(gpu, path, &method, antialiasing, &settings, has_glass)?;
+        let linking = Linking { has_glass: has_glass && path.follows_glass(), input };
+        let make = || Resources::new(gpu, path, &method, antialiasing, &settings, linking);
+        let resources = gpu.scoped("what a method needs", make)?;
         Ok(Self {
             gpu: Arc::clone(gpu),
             method,
@@ -191,19 +241,83 @@ impl GpuPipeline {
     /// As [`Self::render`].
     pub fn submit(&mut self, stage: &mut GpuStage, index: u32) -> Result<(), GpuError> {
         self.twice_if_lost(|pipeline| pipeline.try_submit(stage, index))?;
-        // What earlier frames no longer need is given back.
-        let polled = self.gpu.device().poll(wgpu::PollType::Poll);
-        polled.map(|_| ()).map_err(|error| GpuError::DeviceLost { reason: error.to_string() })
+        self.gpu.tidy_up()
+    }
+
+    /// Records frame `index` as [`Self::submit`] has it into an encoder of the caller's, and the picture so
+    /// far into `picture`. Nothing is submitted, read back or waited for. What the frame is rendered with is
+    /// written through the queue: the encoder is to be submitted before the next frame of this pipeline is
+    /// recorded, and before its stage is advanced again.
+    ///
+    /// # Errors
+    /// The device refuses, has no memory left, or is lost.
+    pub fn record(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        stage: &mut GpuStage,
+        index: u32,
+        picture: &Picture<'_>,
+    ) -> Result<(), GpuError> {
+        let gpu = Arc::clone(&self.gpu);
+        gpu.scoped("a frame", || {
+            self.try_record(encoder, stage, index, None)?;
+            self.resources.record_picture(&gpu, encoder, picture)
+        })
+    }
+
+    /// The same over what the caller has drawn: it takes the place of the background, hides what lies behind
+    /// it, and its motion and depth are those of the picture where nothing else is.
+    ///
+    /// # Errors
+    /// As [`Self::record`], or a texture of the caller's is smaller than the picture or has several samples a
+    /// pixel.
+    pub fn record_over(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        stage: &mut GpuStage,
+        index: u32,
+        opaque: &Opaque<'_>,
+        picture: &Picture<'_>,
+    ) -> Result<(), GpuError> {
+        opaque.check(self.settings.size)?;
+        let gpu = Arc::clone(&self.gpu);
+        gpu.scoped("a frame", || {
+            self.try_record(encoder, stage, index, Some(opaque))?;
+            self.resources.record_picture(&gpu, encoder, picture)
+        })
+    }
+
+    /// Where the sample of frame `index` lies beside the centre of each pixel, pixels: x to the right, y
+    /// downwards, each in (-0.5, 0.5). For a caller whose own passes are to be jittered alike.
+    #[must_use]
+    pub fn jitter(&self, index: u32) -> [f32; 2] {
+        jitter(self.antialiasing, self.settings.first_frame + index).into()
+    }
+
+    /// Goes on with pictures of another size, of which nothing has been added up yet. Memory is made anew,
+    /// what has been compiled stays.
+    ///
+    /// # Errors
+    /// The picture is too large, or the device refuses; the size is the old one then.
+    pub fn resize(&mut self, size: [u32; 2]) -> Result<(), GpuError> {
+        let settings = Settings { size, ..self.settings };
+        let linking = self.resources.linking;
+        let Self { gpu, path, method, antialiasing, .. } = self;
+        let make = || Resources::new(gpu, *path, method, *antialiasing, &settings, linking);
+        self.resources = gpu.scoped("pictures of another size", make)?;
+        self.settings = settings;
+        Ok(())
     }
 
     fn twice_if_lost<T>(
         &mut self,
         mut render: impl FnMut(&mut Self) -> Result<T, GpuError>,
     ) -> Result<T, GpuError> {
-        let generation = self.gpu.generation();
-        match render(self) {
+        let gpu = Arc::clone(&self.gpu);
+        let generation = gpu.generation();
+        match gpu.scoped("a frame", || render(self)) {
             Err(GpuError::DeviceLost { .. }) => {
-                self.gpu.reopen(generation)?;
+                gpu.reopen(generation)?;
                 render(self)
             }
             other => other,
@@ -216,31 +330,53 @@ impl GpuPipeline {
         let mut counters = self.resources.read_counters(&self.gpu)?;
         counters.shadow_rays += map_rays;
         let wall_ms = start.elapsed().as_secs_f64() * 1e3;
-        self.steps = self.resources.timer.read(&self.gpu.device());
+        self.steps = self.resources.timer.read(&self.gpu);
         Ok((counters, timings(stage.build_ms(), wall_ms, &self.steps)))
     }
 
     /// Sends a frame off; how many rays make its shadow maps.
     fn try_submit(&mut self, stage: &mut GpuStage, index: u32) -> Result<u64, GpuError> {
-        stage.renew()?;
+        let device = self.gpu.device();
+        let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let map_rays = self.try_record(&mut encoder, stage, index, None)?;
+        self.resources.submit(&self.gpu, encoder)?;
+        Ok(map_rays)
+    }
+
+    /// Makes everything anew that was made for another device, or for scenes of another kind.
+    fn renew(&mut self, stage: &GpuStage, input: Option<DepthKind>) -> Result<(), GpuError> {
         // Shaders that follow light through coloured glass are others: scenes without it do not pay for it.
         let has_glass = self.path.follows_glass() && stage.frame().tints_light();
-        if self.resources.generation != self.gpu.generation() || self.resources.has_glass != has_glass {
+        let linking = Linking { has_glass, input };
+        if self.resources.generation != self.gpu.generation() || self.resources.linking != linking {
             self.resources = Resources::new(
                 &self.gpu,
                 self.path,
                 &self.method,
                 self.antialiasing,
                 &self.settings,
-                has_glass,
+                linking,
             )?;
         }
+        Ok(())
+    }
+
+    /// Records a frame; how many rays make its shadow maps.
+    fn try_record(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        stage: &mut GpuStage,
+        index: u32,
+        opaque: Option<&Opaque<'_>>,
+    ) -> Result<u64, GpuError> {
+        stage.renew()?;
+        self.renew(stage, opaque.map(Opaque::depth_kind))?;
         let frame = self.settings.first_frame + index;
         let Settings { size, seed, background, .. } = self.settings;
         let hybrid = Search::of(&self.method).map_or(Hybrid::NONE, |search| search.hybrid);
         let jitter = jitter(self.antialiasing, frame);
         let parameters = FrameParameters { size, jitter, index: frame, seed, background, hybrid };
-        self.resources.submit(&self.gpu, stage, &parameters, self.method.alignment())
+        self.resources.record(&self.gpu, encoder, stage, (&parameters, opaque), self.method.alignment())
     }
 
     /// Forgets what has been added up: the next frame shows something else, after a cut or a jump of the
@@ -255,7 +391,8 @@ impl GpuPipeline {
     /// The device is lost, or the machine has no memory for it.
     pub fn planes(&self) -> Result<Planes, GpuError> {
         let Resources { pixels, layers, history, .. } = &self.resources;
-        read_planes(&self.gpu, pixels, history.colour(), layers.as_ref(), self.settings.size)
+        let read = || read_planes(&self.gpu, pixels, history.colour(), layers.as_ref(), self.settings.size);
+        self.gpu.scoped("reading a picture", read)
     }
 
     /// Bytes a pixel that the method takes on the device beyond the pixels themselves, their history and
@@ -288,7 +425,7 @@ impl Resources {
         method: &Method,
         antialiasing: Antialiasing,
         settings: &Settings,
-        has_glass: bool,
+        linking: Linking,
     ) -> Result<Self, GpuError> {
         let generation = gpu.generation();
         let device = gpu.device();
@@ -297,7 +434,9 @@ impl Resources {
         let (added_up, split) = of_run(settings, antialiasing);
         let mut more: Vec<_> = split.map(|_| Layouts::layers_entry()).into_iter().collect();
         more.extend(maps.iter().flat_map(|_| ShadowMaps::layout_entries(ShadowMaps::READERS, true)));
-        let layouts = Layouts::new(&device, &GpuStage::layout_entries(gpu.tracer()), &more);
+        let opaque = linking.input.map(|_| OpaqueInput::new(&device));
+        more.extend(linking.input.iter().flat_map(|kind| OpaqueInput::layout_entries(*kind)));
+        let layouts = Layouts::new(gpu, &GpuStage::layout_entries(gpu.tracer()), &more);
         // Memory that no technique differs in.
         let pixels = pixel_buffer(gpu, settings.size, "pixels", [PIXEL_BYTES, 0], BufferUsages::COPY_SRC)?;
         let usage = BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
@@ -311,11 +450,10 @@ impl Resources {
             Some(Raster::Lists | Raster::Passes(_)) | None => [0; 2],
         };
         let table_words = Tables::new(method.info().tables, mask_sizes);
-        let tables = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
-            label: Some("tables"),
-            contents: bytemuck::cast_slice(&table_words.words),
-            usage: BufferUsages::STORAGE,
-        });
+        let words: &[u8] = bytemuck::cast_slice(&table_words.words);
+        let usage = BufferUsages::STORAGE | BufferUsages::COPY_DST;
+        let tables = buffer(&device, "tables", words.len() as u64, usage);
+        gpu.queue().write_buffer(&tables, 0, words);
         let surfaces =
             pixel_buffer(gpu, settings.size, "surfaces", [SURFACE_BYTES, 0], BufferUsages::empty())?;
         let layers = split
@@ -323,15 +461,16 @@ impl Resources {
             .transpose()?;
         // Shaders: light first, since all that shades is linked with the way it is looked up.
         let mut linker = base_linker(gpu.tracer()).constants(table_words.constants());
-        if has_glass {
+        if linking.has_glass {
             linker = with_glass(linker);
+        }
+        if let Some(kind) = linking.input {
+            linker = over_opaque(linker, kind);
         }
         if let Some(maps) = maps {
             linker = linker.alias("shadow", "shared/shadow_map").constants(maps.constants());
         }
         let shadows = maps.map(|maps| ShadowMaps::new(gpu, maps, &linker, &layouts)).transpose()?;
-        let pass_group =
-            layouts.pass_group(&device, [&pixels, &counters, &surfaces], more_entries(&layers, &shadows));
         let search = Search::of(method).map(|search| search.with_layers(split));
         let executor = match (path, search) {
             (GpuPath::Ray, Some(search)) => {
@@ -347,7 +486,8 @@ impl Resources {
             .transpose()?;
         // What becomes of the pixels, and what they take.
         let history = History::new(gpu, added_up, settings.size)?;
-        let timer = Timer::new(&device, &gpu.queue(), MOST_PASSES);
+        let timer =
+            if gpu.is_foreign() { Timer::off() } else { Timer::new(&device, &gpu.queue(), MOST_PASSES) };
         gpu.check("what a method needs")?;
         Ok(Self {
             executor,
@@ -363,19 +503,22 @@ impl Resources {
             history,
             timer,
             shadows,
-            pass_group,
+            pass_group: None,
             scene_group: None,
             generation,
-            has_glass,
+            linking,
+            opaque,
+            picture: None,
         })
     }
 
-    /// Records and submits a frame; how many rays make its shadow maps.
-    fn submit(
+    /// Records a frame; how many rays make its shadow maps.
+    fn record(
         &mut self,
         gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
         stage: &GpuStage,
-        parameters: &FrameParameters,
+        (parameters, opaque): (&FrameParameters, Option<&Opaque<'_>>),
         alignment: Alignment,
     ) -> Result<u64, GpuError> {
         let (device, queue) = (gpu.device(), gpu.queue());
@@ -386,25 +529,31 @@ impl Resources {
             Some(shadows) => shadows.prepare(gpu, stage, parameters)?,
             None => MapRays::default(),
         };
+        let shows_other = match (&mut self.opaque, opaque) {
+            (Some(input), Some(opaque)) => input.prepare(&queue, opaque),
+            _ => false,
+        };
         // Groups whose buffers are others now are bound anew.
-        if map_rays.replaced {
-            self.pass_group = self.layouts.pass_group(
+        if map_rays.replaced || shows_other || self.pass_group.is_none() {
+            self.pass_group = Some(self.layouts.pass_group(
                 &device,
                 [&self.pixels, &self.counters, &self.surfaces],
-                more_entries(&self.layers, &self.shadows),
-            );
+                more_entries(&self.layers, &self.shadows, &self.opaque),
+            ));
         }
         if self.scene_group.as_ref().is_none_or(|(version, _)| *version != stage.version()) {
             let group = self.layouts.scene_group(&device, &self.frame, &self.tables, stage.entries());
             self.scene_group = Some((stage.version(), group));
         }
-        let Some((_, scene)) = &self.scene_group else { unreachable!("made just now") };
-        let groups = Groups { scene, pass: &self.pass_group };
+        let (Some((_, scene)), Some(pass)) = (&self.scene_group, &self.pass_group) else {
+            unreachable!("made just now")
+        };
+        let groups = Groups { scene, pass };
         // The passes, in the order in which they need one another.
-        let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        self.timer.begin_frame();
         encoder.clear_buffer(&self.counters, 0, None);
         let mut recording = Recording {
-            encoder: &mut encoder,
+            encoder: &mut *encoder,
             timer: &mut self.timer,
             size: parameters.size,
             triangle_count: uniform.triangle_count,
@@ -421,22 +570,40 @@ impl Resources {
         }
         self.history.record(
             gpu,
-            &mut encoder,
+            encoder,
             &mut self.timer,
             (&self.pixels, self.layers.as_ref()),
             NewFrame {
                 alignment,
                 index: parameters.index,
                 seed: parameters.seed,
-                is_still: stage.frame().is_still(),
+                is_still: stage.frame().is_still() && opaque.is_none_or(Opaque::is_still),
             },
         );
-        // What is read back, and off it goes.
+        Ok(map_rays.count)
+    }
+
+    /// Sends a frame off, and what is read back of it.
+    fn submit(&mut self, gpu: &Gpu, mut encoder: wgpu::CommandEncoder) -> Result<(), GpuError> {
         encoder.copy_buffer_to_buffer(&self.counters, 0, &self.counters_read, 0, COUNTER_BYTES);
         self.timer.resolve(&mut encoder);
-        queue.submit([encoder.finish()]);
-        gpu.check("a frame")?;
-        Ok(map_rays.count)
+        gpu.queue().submit([encoder.finish()]);
+        gpu.check("a frame")
+    }
+
+    /// Records that the picture so far goes into a texture of the caller's.
+    fn record_picture(
+        &mut self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        picture: &Picture<'_>,
+    ) -> Result<(), GpuError> {
+        let pass = match &mut self.picture {
+            Some(pass) => pass,
+            none => none.insert(PicturePass::new(gpu, &self.history)?),
+        };
+        pass.record(gpu, encoder, picture, &self.history);
+        gpu.check("a picture")
     }
 
     /// Waits for the frame and reads what it cost.
@@ -465,9 +632,11 @@ impl Resources {
 fn more_entries<'a>(
     layers: &'a Option<wgpu::Buffer>,
     shadows: &'a Option<ShadowMaps>,
+    opaque: &'a Option<OpaqueInput>,
 ) -> impl Iterator<Item = wgpu::BindGroupEntry<'a>> {
     let layers = layers.iter().map(|layers| whole(BIND_LAYERS, layers));
-    layers.chain(shadows.iter().flat_map(ShadowMaps::entries))
+    let input = opaque.iter().flat_map(OpaqueInput::entries);
+    layers.chain(shadows.iter().flat_map(ShadowMaps::entries)).chain(input)
 }
 
 /// What all methods have in common.
@@ -485,6 +654,22 @@ pub(crate) fn base_linker(tracer: Tracer) -> Linker {
         // Nothing tints what shines through it.
         .alias("glass", "shared/glass_none")
         .alias("tint", "shared/tint_none")
+        // What lies behind the scene is the scene's own.
+        .alias("limit", "shared/limit_none")
+        .alias("backdrop", "shared/backdrop_scene")
+        .alias("behind", "shared/behind_scene")
+}
+
+/// The same for scenes behind which the caller draws.
+pub(crate) fn over_opaque(linker: Linker, kind: DepthKind) -> Linker {
+    let limit = match kind {
+        DepthKind::Depth => "shared/limit_depth",
+        DepthKind::Float => "shared/limit_float",
+    };
+    linker
+        .alias("limit", limit)
+        .alias("backdrop", "shared/backdrop_opaque")
+        .alias("behind", "shared/behind_opaque")
 }
 
 /// The same for scenes with coloured glass.

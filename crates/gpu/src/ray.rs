@@ -17,10 +17,11 @@ use sheer_render::{
 };
 
 use crate::{
+    compile::compute_pipeline,
     device::Gpu,
     error::GpuError,
     layouts::Layouts,
-    recording::{Groups, Recording, compute_pipeline},
+    recording::{Groups, Recording},
     shader::{
         Linker,
         constant::{self, Constant},
@@ -167,7 +168,7 @@ impl RayPath {
         let (piece, entry_point) = search.piece();
         let module = gpu.shader(&search.link(linker.clone().method(method))?)?;
         let groups = [&layouts.scene, &layouts.pass];
-        let trace = compute_pipeline(&gpu.device(), Self::STEP, &groups, &module, entry_point);
+        let trace = compute_pipeline(gpu, Self::STEP, &groups, &module, entry_point);
         gpu.check(piece)?;
         let shade = search.is_pure().then(|| Shade::new(gpu, linker, layouts)).transpose()?;
         Ok(Self { trace, shade })
@@ -198,8 +199,7 @@ impl Shade {
     pub(crate) fn new(gpu: &Gpu, linker: &Linker, layouts: &Layouts) -> Result<Self, GpuError> {
         let piece = "pass/shade";
         let module = gpu.shader(&linker.link(piece)?)?;
-        let pipeline =
-            compute_pipeline(&gpu.device(), "shade", &[&layouts.scene, &layouts.pass], &module, "cs_shade");
+        let pipeline = compute_pipeline(gpu, "shade", &[&layouts.scene, &layouts.pass], &module, "cs_shade");
         gpu.check(piece)?;
         Ok(Self(pipeline))
     }
@@ -221,7 +221,7 @@ impl OneLayer {
         let piece = "pass/one_layer";
         let module = gpu.shader(&linker.link(piece)?)?;
         let groups = [&layouts.scene, &layouts.pass];
-        let pipeline = compute_pipeline(&gpu.device(), Self::STEP, &groups, &module, "cs_one_layer");
+        let pipeline = compute_pipeline(gpu, Self::STEP, &groups, &module, "cs_one_layer");
         gpu.check(piece)?;
         Ok(Self(pipeline))
     }

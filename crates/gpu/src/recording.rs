@@ -1,4 +1,4 @@
-//! A frame on its way to the device: what passes have in common when they are made and recorded.
+//! A frame on its way to the device: what passes have in common when they are recorded.
 
 use crate::{shader::numbers::GROUP_SIDE, timing::Timer};
 
@@ -44,28 +44,4 @@ impl Recording<'_> {
         }
         pass.dispatch_workgroups(width.div_ceil(GROUP_SIDE), height.div_ceil(GROUP_SIDE), 1);
     }
-}
-
-/// A compute pipeline over groups 0, 1 and those of the pass itself.
-pub(crate) fn compute_pipeline(
-    device: &wgpu::Device,
-    label: &str,
-    groups: &[&wgpu::BindGroupLayout],
-    module: &wgpu::ShaderModule,
-    entry_point: &str,
-) -> wgpu::ComputePipeline {
-    let groups: Vec<_> = groups.iter().map(|group| Some(*group)).collect();
-    let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-        label: Some(label),
-        bind_group_layouts: &groups,
-        immediate_size: 0,
-    });
-    device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-        label: Some(label),
-        layout: Some(&layout),
-        module,
-        entry_point: Some(entry_point),
-        compilation_options: wgpu::PipelineCompilationOptions::default(),
-        cache: None,
-    })
 }

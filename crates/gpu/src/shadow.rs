@@ -14,13 +14,14 @@ use sheer_render::{
 use wgpu::{BindGroupEntry, BindGroupLayoutEntry, BufferBindingType, BufferUsages, ShaderStages};
 
 use crate::{
+    compile::{compute_pipeline, layout},
     device::Gpu,
     error::GpuError,
     frame::FrameParameters,
     layouts::Layouts,
-    recording::{Recording, compute_pipeline},
+    recording::Recording,
     resource::{
-        bind_group::{buffer_entry, group_of, layout, whole},
+        bind_group::{buffer_entry, group_of, whole},
         buffer::{buffer, storage_limit},
     },
     shader::{
@@ -153,11 +154,11 @@ impl ShadowMaps {
         layouts: &Layouts,
     ) -> Result<Self, GpuError> {
         let device = gpu.device();
-        let layout = layout(&device, STEP, &Self::layout_entries(ShaderStages::COMPUTE, false));
+        let layout = layout(gpu, STEP, &Self::layout_entries(ShaderStages::COMPUTE, false));
         let piece = "pass/shadow_map";
         let module = gpu.shader(&linker.link(piece)?)?;
         let groups = [&layouts.scene, &layout];
-        let pipeline = compute_pipeline(&device, STEP, &groups, &module, "cs_shadow_map");
+        let pipeline = compute_pipeline(gpu, STEP, &groups, &module, "cs_shadow_map");
         // Shaders need something to bind before there is a light.
         let [lights, faces] = ["shadow lights", "shadow faces"].map(|label| storage(&device, label, 64));
         let map = storage(&device, "shadow map", 64);

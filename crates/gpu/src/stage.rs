@@ -32,6 +32,7 @@ use crate::{
     device::{Gpu, Tracer},
     error::GpuError,
     scene::SceneBuffers,
+    view::View,
 };
 
 /// How large a scene is at a moment, world units: bounds for depths and distances.
@@ -174,11 +175,20 @@ impl GpuStage {
         self.animator.look_from(pose);
     }
 
+    /// The same by a camera's matrices, for a picture of so many columns and rows.
+    ///
+    /// # Errors
+    /// [`GpuError::Unsupported`] says what is off with the projection.
+    pub fn look_through(&mut self, view: &View, size: [u32; 2]) -> Result<(), GpuError> {
+        self.look_from(view.pose(size)?);
+        Ok(())
+    }
+
     /// Moves everything to a moment, uploads what has moved and rebuilds the acceleration structure over it.
     ///
     /// # Errors
-    /// What moves has grown beyond what the device holds, or the device is lost:
-    /// [`GpuPipeline::render`](crate::GpuPipeline::render) takes a new one.
+    /// What moves has grown beyond what the device holds, or the caller's device is lost. In the place of one
+    /// that [`Gpu`] has opened, [`GpuPipeline::render`](crate::GpuPipeline::render) takes another.
     pub fn advance(&mut self, moment: Moment) -> Result<(), GpuError> {
         let start = Instant::now();
         self.moment = Some(moment);
@@ -192,7 +202,7 @@ impl GpuStage {
         self.build_ms = start.elapsed().as_secs_f64() * 1e3;
         match result {
             // The pipeline that renders next makes everything anew.
-            Err(GpuError::DeviceLost { .. }) => Ok(()),
+            Err(GpuError::DeviceLost { .. }) if !self.gpu.is_foreign() => Ok(()),
             other => other,
         }
     }
@@ -205,15 +215,17 @@ impl GpuStage {
         if !moves && frame.lights().is_empty() && !frame.animates_materials() {
             return Ok(());
         }
-        let replaced = pool.install(|| -> Result<bool, GpuError> {
+        let mut update = || {
             let mut replaced = scene.update(&gpu.device(), &gpu.queue(), frame)?;
             replaced |= accel.update(gpu, scene.positions(), frame)?;
             Ok(replaced)
-        })?;
+        };
+        // Error scopes are a thread's own.
+        let replaced = pool.install(|| gpu.scoped("what moves", &mut update))?;
         if replaced {
             self.version = next_version();
         }
-        self.gpu.wait()
+        self.gpu.settle()
     }
 
     /// Makes everything anew if the device has changed.
@@ -317,8 +329,10 @@ impl GpuStage {
 }
 
 fn upload(gpu: &Gpu, frame: &Frame) -> Result<(SceneBuffers, Accel), GpuError> {
-    let scene = SceneBuffers::new(&gpu.device(), &gpu.queue(), frame)?;
-    let accel = Accel::new(gpu, scene.positions(), frame)?;
-    gpu.wait()?;
-    Ok((scene, accel))
+    gpu.scoped("the scene", || {
+        let scene = SceneBuffers::new(&gpu.device(), &gpu.queue(), frame)?;
+        let accel = Accel::new(gpu, scene.positions(), frame)?;
+        gpu.settle()?;
+        Ok((scene, accel))
+    })
 }

@@ -5,12 +5,12 @@ use sheer_render::{Antialiasing, contract::Alignment, temporal::layers};
 use wgpu::{BufferBindingType, BufferUsages, ShaderStages};
 
 use crate::{
+    compile::{compute_pipeline, layout},
     device::Gpu,
     error::GpuError,
     pixels::COLOUR_BYTES,
-    recording::compute_pipeline,
     resource::{
-        bind_group::{buffer_entry, group_of, layout, whole},
+        bind_group::{buffer_entry, group_of, whole},
         buffer::{buffer, pixel_buffer},
     },
     shader::{
@@ -115,12 +115,12 @@ impl History {
         } else {
             entries.push(list(BIND_HISTORY, true));
         }
-        let layout = layout(&device, "temporal", &entries);
+        let layout = layout(gpu, "temporal", &entries);
         let (piece, entry_points) = piece_of(&antialiasing);
         let module = gpu.shader(&Linker::new().antialiasing(&antialiasing).link(piece)?)?;
         let pipelines = entry_points
             .iter()
-            .map(|entry_point| compute_pipeline(&device, "temporal", &[&layout], &module, entry_point))
+            .map(|entry_point| compute_pipeline(gpu, "temporal", &[&layout], &module, entry_point))
             .collect();
         gpu.check("the history")?;
         Ok(Self {
@@ -196,8 +196,23 @@ impl History {
 
     /// The picture so far, linear and premultiplied, row by row.
     pub(crate) fn colour(&self) -> &wgpu::Buffer {
+        &self.colours[self.latest()]
+    }
+
+    /// Which of [`Self::colours`] is the picture so far.
+    pub(crate) fn latest(&self) -> usize {
         // Before the first frame there is nothing in either.
-        &self.colours[usize::from(self.count > 0 && self.count.is_multiple_of(2))]
+        usize::from(self.count > 0 && self.count.is_multiple_of(2))
+    }
+
+    /// Both pictures that take turns.
+    pub(crate) fn colours(&self) -> &[wgpu::Buffer; 2] {
+        &self.colours
+    }
+
+    /// The `TemporalUniform` of the frame that was recorded last.
+    pub(crate) fn uniform(&self) -> &wgpu::Buffer {
+        &self.uniform
     }
 }
 

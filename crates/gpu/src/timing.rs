@@ -10,6 +10,8 @@ use wgpu::{
     Queue, RenderPassTimestampWrites,
 };
 
+use crate::device::Gpu;
+
 /// Bytes of a timestamp in a buffer.
 const TIMESTAMP_BYTES: u64 = size_of::<u64>() as u64;
 
@@ -62,9 +64,20 @@ impl Clock {
 }
 
 impl Timer {
+    /// Times nothing: where frames go into an encoder of the caller's, who reads nothing back.
+    pub(crate) fn off() -> Self {
+        Self { clock: None, names: Vec::new(), resolved: 0 }
+    }
+
     /// A timer for frames of up to `capacity` passes; further ones are not timed.
     pub(crate) fn new(device: &Device, queue: &Queue, capacity: u32) -> Self {
         Self { clock: Clock::new(device, queue, capacity), names: Vec::new(), resolved: 0 }
+    }
+
+    /// Forgets passes of a frame whose times nobody has asked for.
+    pub(crate) fn begin_frame(&mut self) {
+        self.names.clear();
+        self.resolved = 0;
     }
 
     /// What a compute pass is begun with, to count as step `name`. Passes of one name are added up.
@@ -117,7 +130,7 @@ impl Timer {
 
     /// Times of the steps of the last frame that was resolved and submitted, in order; waits for the device
     /// if it is not done. None where the device has no clock or is lost.
-    pub(crate) fn read(&mut self, device: &Device) -> Vec<StepTime> {
+    pub(crate) fn read(&mut self, gpu: &Gpu) -> Vec<StepTime> {
         let Some(clock) = &self.clock else { return Vec::new() };
         if self.resolved == 0 {
             return Vec::new();
@@ -126,7 +139,7 @@ impl Timer {
         self.resolved = 0;
         let bytes = 2 * names.len() as u64 * TIMESTAMP_BYTES;
         clock.read.map_async(MapMode::Read, ..bytes, |_| ());
-        if device.poll(wgpu::PollType::wait_indefinitely()).is_err() {
+        if gpu.wait().is_err() {
             return Vec::new();
         }
         // A lost device maps nothing.
@@ -157,10 +170,7 @@ mod tests {
     use std::time::Instant;
 
     use super::*;
-    use crate::{
-        device::{AdapterChoice, Gpu},
-        shader::Linker,
-    };
+    use crate::{device::AdapterChoice, shader::Linker};
 
     #[test]
     fn passes_of_one_name_are_one_step_in_the_place_of_the_first() {
@@ -221,7 +231,7 @@ mod tests {
         timer.resolve(&mut encoder);
         let start = Instant::now();
         queue.submit([encoder.finish()]);
-        let steps = timer.read(&device);
+        let steps = timer.read(gpu);
         let wall_ms = start.elapsed().as_secs_f64() * 1e3;
         gpu.check("timing").unwrap();
         (steps, wall_ms)
@@ -240,7 +250,7 @@ mod tests {
             assert!(steps[1].ms > steps[0].ms, "{steps:?}");
             assert!(steps.iter().map(|step| step.ms).sum::<f64>() <= wall_ms, "{steps:?} in {wall_ms} ms");
         }
-        assert_eq!(timer.read(&gpu.device()), [], "times are read once");
+        assert_eq!(timer.read(&gpu), [], "times are read once");
     }
 
     #[test]

@@ -1,5 +1,6 @@
 // One shaded fragment a pixel and what is known of its layers without shading: twin of `Tracer::layered`.
 // pass/shade.wgsl does the rest.
+#import behind
 #import choose
 #import shared/camera
 #import shared/counters
@@ -108,8 +109,8 @@ fn cs_find(@builtin(global_invocation_id) id: vec3u) {
         record.back_motion = motion_between(now, previous_position_at(opaque.triangle, of_vertices));
         record.back_depth = view_depth(now);
     } else {
-        record.back_motion = motion_at_infinity(pixel_at, ray);
-        record.back_depth = NO_DEPTH;
+        record.back_motion = motion_behind(pixel_at, ray);
+        record.back_depth = depth_behind(pixel_at);
     }
     layer_records[index] = record;
     hand_in_counts();

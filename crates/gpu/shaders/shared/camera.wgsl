@@ -1,4 +1,5 @@
 // Rays of the camera and where points appear: twins of `CameraPose`.
+#import limit
 #import shared/frame
 #import shared/hit
 #import shared/vector
@@ -17,7 +18,7 @@ fn camera_ray(sample: vec2f) -> CameraRay {
     if camera.is_orthographic != 0u {
         let offset = ndc * camera.half_height;
         let origin = sum_in_order(camera.x_axis * offset.x, camera.y_axis * offset.y, camera.eye);
-        return CameraRay(origin, -camera.z_axis, camera.near, camera.far);
+        return CameraRay(origin, -camera.z_axis, camera.near, limited(sample, camera.far, 1.0));
     }
     let in_camera = ndc * camera.tan_half_fov;
     let direction = sum_in_order(camera.x_axis * in_camera.x, camera.y_axis * in_camera.y, -camera.z_axis);
@@ -25,7 +26,7 @@ fn camera_ray(sample: vec2f) -> CameraRay {
     // Clip planes lie across the axis: rays beside it reach them later.
     let stretch = 1.0 / dot(unit, -camera.z_axis);
     let furthest = select(camera.far * stretch, FAR_AWAY, camera.far >= FAR_AWAY);
-    return CameraRay(camera.eye, unit, camera.near * stretch, furthest);
+    return CameraRay(camera.eye, unit, camera.near * stretch, limited(sample, furthest, stretch));
 }
 
 // Where the one sample of a pixel lies, in pixels.

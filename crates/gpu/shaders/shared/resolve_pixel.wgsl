@@ -1,8 +1,9 @@
 // From what a ray has found to a pixel with depth, motion and ids: twins of `Tracer::pixel`, `seen` and
 // `background`.
+#import backdrop
+#import behind
 #import shared/camera
 #import shared/counters
-#import shared/environment
 #import shared/found
 #import shared/pass
 #import shared/project_motion
@@ -10,21 +11,6 @@
 #import shared/shade
 #import shared/surface
 #import tint
-
-// What a camera ray that meets nothing sees, glass left out; premultiplied.
-fn background(ray: CameraRay) -> vec4f {
-    switch frame.background_kind {
-        case BACKGROUND_ENVIRONMENT: {
-            return vec4f(environment_radiance(ray.direction, 0.0) * frame.exposure, 1.0);
-        }
-        case BACKGROUND_COLOUR: {
-            return vec4f(frame.background_rgb, 1.0);
-        }
-        default: {
-            return vec4f(0.0);
-        }
-    }
-}
 
 // A premultiplied colour as it is seen through glass: twin of `Premul::filtered`.
 fn filtered_by(colour: vec4f, tint: vec3f) -> vec4f {
@@ -81,8 +67,8 @@ fn write_pixel(pixel: vec2u, colour: vec4f, ray: CameraRay, found: bool, hit: Hi
         record.instance = objects[triangles[hit.triangle].x].id;
         record.primitive = primitive(hit.triangle);
     } else {
-        record.motion = motion_at_infinity(pixel, ray);
-        record.depth = NO_DEPTH;
+        record.motion = motion_behind(pixel, ray);
+        record.depth = depth_behind(pixel);
         record.instance = NONE;
         record.primitive = NONE;
     }

@@ -5,8 +5,9 @@ use wgpu::ShaderStages;
 
 use super::{opaque::Opaque, parts::Parts};
 use crate::{
+    compile::compute_pipeline,
     error::GpuError,
-    recording::{Groups, Recording, compute_pipeline},
+    recording::{Groups, Recording},
     resource::bind_group::{group, texture_entry, texture_in},
     shader::binding::BIND_OPAQUE_SURFACES,
 };
@@ -26,10 +27,9 @@ impl Composite {
     pub(super) const STEP: &str = "behind";
 
     pub(super) fn new(parts: &Parts<'_>, opaque: &Opaque) -> Result<Self, GpuError> {
-        let device = parts.gpu.device();
         let module = parts.gpu.shader(&parts.linker.link(PIECE)?)?;
         let (layout, group) = group(
-            &device,
+            parts.gpu,
             Self::STEP,
             &[texture_entry(
                 BIND_OPAQUE_SURFACES,
@@ -40,7 +40,7 @@ impl Composite {
             &[texture_in(BIND_OPAQUE_SURFACES, &opaque.surface.view)],
         );
         let groups = [&parts.layouts.scene, &parts.layouts.pass, &layout];
-        let pipeline = compute_pipeline(&device, Self::STEP, &groups, &module, "cs_composite");
+        let pipeline = compute_pipeline(parts.gpu, Self::STEP, &groups, &module, "cs_composite");
         parts.gpu.check(PIECE)?;
         Ok(Self { pipeline, group })
     }

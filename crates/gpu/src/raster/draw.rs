@@ -1,9 +1,13 @@
 //! Pipelines that draw all triangles.
 
-use wgpu::{BlendState, ColorTargetState, ColorWrites, CompareFunction, TextureFormat};
+use wgpu::{BlendState, CompareFunction, TextureFormat};
 
 use super::{format::DEPTH_FORMAT, parts::Parts};
-use crate::recording::{Groups, Recording};
+use crate::{
+    compile::render_pipeline,
+    compiled::RenderKey,
+    recording::{Groups, Recording},
+};
 
 /// How all triangles are drawn in a pass.
 pub(crate) struct Draw<'a> {
@@ -22,47 +26,18 @@ pub(crate) struct Draw<'a> {
 
 impl Draw<'_> {
     pub(crate) fn build(&self, parts: &Parts<'_>) -> wgpu::RenderPipeline {
-        let device = parts.gpu.device();
-        let mut groups = vec![Some(&parts.layouts.scene), Some(&parts.layouts.pass)];
-        groups.extend(self.group.map(Some));
-        let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label: Some(self.label),
-            bind_group_layouts: &groups,
-            immediate_size: 0,
-        });
-        let targets = self
-            .targets
-            .iter()
-            .map(|&(format, blend)| Some(ColorTargetState { format, blend, write_mask: ColorWrites::ALL }));
-        let targets: Vec<_> = targets.collect();
-        let compilation_options = wgpu::PipelineCompilationOptions::default();
-        device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-            label: Some(self.label),
-            layout: Some(&layout),
-            vertex: wgpu::VertexState {
-                module: self.module,
-                entry_point: Some(self.vertex),
-                compilation_options: compilation_options.clone(),
-                buffers: &[],
-            },
-            fragment: Some(wgpu::FragmentState {
-                module: self.module,
-                entry_point: Some(self.fragment),
-                compilation_options,
-                targets: &targets,
-            }),
-            primitive: wgpu::PrimitiveState::default(),
-            depth_stencil: self.depth.map(|compare| wgpu::DepthStencilState {
-                format: DEPTH_FORMAT,
-                depth_write_enabled: Some(true),
-                depth_compare: Some(compare),
-                stencil: wgpu::StencilState::default(),
-                bias: wgpu::DepthBiasState::default(),
-            }),
-            multisample: wgpu::MultisampleState { count: self.samples, ..Default::default() },
-            multiview_mask: None,
-            cache: None,
-        })
+        let mut groups = vec![parts.layouts.scene.clone(), parts.layouts.pass.clone()];
+        groups.extend(self.group.cloned());
+        let key = RenderKey {
+            module: self.module.clone(),
+            vertex: self.vertex,
+            fragment: self.fragment.to_owned(),
+            groups,
+            targets: self.targets.to_vec(),
+            depth: self.depth.map(|compare| (DEPTH_FORMAT, compare)),
+            samples: self.samples,
+        };
+        render_pipeline(parts.gpu, self.label, &key)
     }
 }
 

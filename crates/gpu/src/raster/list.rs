@@ -11,9 +11,10 @@ use super::{
     plan,
 };
 use crate::{
+    compile::compute_pipeline,
     error::GpuError,
     ray::{Search, Shade},
-    recording::{Groups, Recording, compute_pipeline},
+    recording::{Groups, Recording},
     resource::{
         bind_group::{buffer_entry, group, texture_entry, texture_in, whole},
         buffer::{pixel_buffer, storage_limit},
@@ -97,7 +98,7 @@ impl Lists {
 
     /// With a shader of the caller's for what becomes of the lists, with its entry point.
     fn resolved_by(parts: &Parts<'_>, entry_point: &str, shader: &Linked) -> Result<Self, GpuError> {
-        let (gpu, device) = (parts.gpu, parts.gpu.device());
+        let gpu = parts.gpu;
         // Memory: the lists, and sums of the fragments that find the pool full.
         let opaque = Opaque::new(parts)?;
         let heads = pixel_buffer(
@@ -135,7 +136,7 @@ impl Lists {
             buffer_entry(BIND_LIST_HEADS, fragment, read_write),
             buffer_entry(BIND_LIST_NODES, fragment, read_write),
         ];
-        let (capture_layout, capture_group) = group(&device, "capture", &layout, &buffers);
+        let (capture_layout, capture_group) = group(gpu, "capture", &layout, &buffers);
         let module = gpu.shader(&parts.linker.link("pass/capture")?)?;
         let capture = Draw {
             label: "capture",
@@ -164,10 +165,10 @@ impl Lists {
             texture_in(BIND_TAIL_SUMS, &tail[0].view),
             texture_in(BIND_TAIL_TRANSMITTANCE, &tail[1].view),
         ]);
-        let (resolve_layout, resolve_group) = group(&device, "resolve", &layout, &bindings);
+        let (resolve_layout, resolve_group) = group(gpu, "resolve", &layout, &bindings);
         let module = gpu.shader(shader)?;
         let groups = [&parts.layouts.scene, &parts.layouts.pass, &resolve_layout];
-        let resolve = compute_pipeline(&device, "resolve", &groups, &module, entry_point);
+        let resolve = compute_pipeline(gpu, "resolve", &groups, &module, entry_point);
         gpu.check(&shader.piece)?;
         let after = After::Nothing;
         Ok(Self { opaque, capture, resolve, heads, nodes, tail, capture_group, resolve_group, after })

@@ -31,9 +31,10 @@ use super::{
     parts::Parts,
 };
 use crate::{
-    device::AdapterReport,
+    compile::compute_pipeline,
+    device::{AdapterReport, Gpu},
     error::GpuError,
-    recording::{Groups, Recording, compute_pipeline},
+    recording::{Groups, Recording},
     resource::{
         bind_group::{buffer_entry, group, texture_entry, texture_in, whole},
         buffer::{buffer, pixel_buffer},
@@ -207,7 +208,6 @@ impl MultisamplePasses {
     const COLOUR_STEP: &str = "stochastic colour";
 
     pub(super) fn new(parts: &Parts<'_>, sampling: Sampling) -> Result<Self, GpuError> {
-        let device = parts.gpu.device();
         // Memory that all rounds share.
         let opaque = Opaque::new(parts)?;
         let targets = Targets::new(parts, sampling)?;
@@ -238,11 +238,11 @@ impl MultisamplePasses {
                 whole(BIND_FRAGMENT_STATS, &fragment_stats),
             ];
             let [keep_layout, accumulate_layout] = drawing_layouts();
-            let (keep_layout, keep) = group(&device, "stochastic", &keep_layout, &shared);
+            let (keep_layout, keep) = group(parts.gpu, "stochastic", &keep_layout, &shared);
             let with_depth: Vec<BindGroupEntry<'_>> =
                 shared.into_iter().chain([texture_in(BIND_DEPTH_MAP, &targets.depth.view)]).collect();
             let (accumulate_layout, accumulate) =
-                group(&device, "accumulate", &accumulate_layout, &with_depth);
+                group(parts.gpu, "accumulate", &accumulate_layout, &with_depth);
             rounds.push(RoundGroups { keep, accumulate });
             layouts.get_or_insert((keep_layout, accumulate_layout));
         }
@@ -253,7 +253,7 @@ impl MultisamplePasses {
         let Drawing { total_alpha, keep, accumulate } =
             drawing(parts, sampling, [&keep_layout, &accumulate_layout])?;
         let (resolve_layout, resolve_group) =
-            resolve_group(&device, &targets, [&fragment_stats, &ended_rounds]);
+            resolve_group(parts.gpu, &targets, [&fragment_stats, &ended_rounds]);
         let composite = Composite::new(parts, &opaque)?;
         let [end_round, resolve] = resolving(parts, sampling, &resolve_layout)?;
         Ok(Self {
@@ -377,7 +377,7 @@ fn drawing(
 }
 
 fn resolve_group(
-    device: &wgpu::Device,
+    gpu: &Gpu,
     targets: &Targets,
     [fragment_stats, ended_rounds]: [&wgpu::Buffer; 2],
 ) -> (wgpu::BindGroupLayout, wgpu::BindGroup) {
@@ -399,7 +399,7 @@ fn resolve_group(
         texture_in(BIND_TOTAL_TRANSMITTANCE, &targets.transmittance.view),
         whole(BIND_ENDED_ROUNDS, ended_rounds),
     ];
-    group(device, "stochastic resolve", &layout, &entries)
+    group(gpu, "stochastic resolve", &layout, &entries)
 }
 
 /// Pipelines of the end of a round and of the last pass.
@@ -414,7 +414,7 @@ fn resolving(
     let module = parts.gpu.shader(&linker.link(piece)?)?;
     let groups = [&parts.layouts.scene, &parts.layouts.pass, own];
     let pipelines = ["cs_end_round", "cs_resolve"]
-        .map(|entry| compute_pipeline(&parts.gpu.device(), "stochastic resolve", &groups, &module, entry));
+        .map(|entry| compute_pipeline(parts.gpu, "stochastic resolve", &groups, &module, entry));
     parts.gpu.check(piece)?;
     Ok(pipelines)
 }

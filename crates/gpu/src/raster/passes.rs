@@ -4,22 +4,23 @@ use std::collections::BTreeMap;
 
 use sheer_render::contract::{Passes, Resource, Step, StepKind};
 use wgpu::{
-    BindGroupLayoutEntry, BufferBindingType, BufferUsages, Features, ShaderStages, TextureFormat,
-    TextureUsages,
+    BindGroupLayoutEntry, BufferBindingType, BufferUsages, ShaderStages, TextureFormat, TextureUsages,
 };
 
 use super::{
     composite::Composite,
     draw::Draw,
-    format::{DEPTH_FORMAT, blend_features, blend_state, texture_format},
+    format::{DEPTH_FORMAT, blend_state, texture_format},
     opaque::Opaque,
     parts::Parts,
+    plan::blending_features,
 };
 use crate::{
+    compile::{compute_pipeline, layout},
     error::GpuError,
-    recording::{Groups, Recording, compute_pipeline},
+    recording::{Groups, Recording},
     resource::{
-        bind_group::{buffer_entry, group_of, layout, texture_entry, texture_in, whole},
+        bind_group::{buffer_entry, group_of, texture_entry, texture_in, whole},
         buffer::pixel_buffer,
         target::Target,
     },
@@ -128,7 +129,6 @@ impl Program {
         step: &Step,
         resources: &[DeviceResource],
     ) -> Result<Self, GpuError> {
-        let device = parts.gpu.device();
         let stage = match step.kind {
             StepKind::Draw { .. } => ShaderStages::FRAGMENT,
             StepKind::Pixels => ShaderStages::COMPUTE,
@@ -138,7 +138,7 @@ impl Program {
         entries.extend(
             step.bound.iter().map(|&(binding, index)| resources[index].layout_entry(binding.number, stage)),
         );
-        let layout = layout(&device, step.entry_point, &entries);
+        let layout = layout(parts.gpu, step.entry_point, &entries);
         let pipeline = match &step.kind {
             StepKind::Draw { targets, depth } => {
                 let targets: Vec<_> = targets
@@ -159,7 +159,7 @@ impl Program {
             }
             StepKind::Pixels => {
                 let groups = [&parts.layouts.scene, &parts.layouts.pass, &layout];
-                Runnable::Pixels(compute_pipeline(&device, step.name, &groups, module, step.entry_point))
+                Runnable::Pixels(compute_pipeline(parts.gpu, step.name, &groups, module, step.entry_point))
             }
         };
         parts.gpu.check(step.entry_point)?;
@@ -167,27 +167,14 @@ impl Program {
     }
 }
 
-/// What a device has to be capable of to blend into all targets that are blended into.
-fn blending_features(steps: &[Step], resources: &[DeviceResource]) -> Features {
-    let mut features = Features::empty();
-    for step in steps {
-        if let StepKind::Draw { targets, .. } = &step.kind {
-            for (index, _) in targets.iter().filter(|(_, blend)| blend.is_some()) {
-                features |= blend_features(resources[*index].texture().1);
-            }
-        }
-    }
-    features
-}
-
 impl DrawnPasses {
     /// `shader` has the entry points that the passes name.
     pub(super) fn new(parts: &Parts<'_>, passes: Passes, shader: &Linked) -> Result<Self, GpuError> {
+        let features = blending_features(&passes);
         let Passes { resources, steps, .. } = passes;
         let opaque = Opaque::new(parts)?;
         let made = resources.into_iter().map(|resource| DeviceResource::new(parts, resource));
         let resources = made.collect::<Result<Vec<_>, _>>()?;
-        let features = blending_features(&steps, &resources);
         if !parts.gpu.features().contains(features) {
             return Err(GpuError::Unsupported {
                 what: format!("{} lacks {features:?}, which the method needs", parts.gpu.report().name),

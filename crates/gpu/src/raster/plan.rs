@@ -8,11 +8,13 @@
 use sheer_render::{
     Method,
     contract::{
-        Binding, NoRaster, OrderedCompositing, Raster, Selection, ShaderConstant, Step, Threshold,
-        UnorderedCompositing, Visitor,
+        Binding, NoRaster, OrderedCompositing, Passes, Raster, Resource, Selection, ShaderConstant, Step,
+        StepKind, Threshold, UnorderedCompositing, Visitor,
     },
 };
+use wgpu::{Features, TextureFormat};
 
+use super::format::{blend_features, texture_format};
 use crate::{
     error::GpuError,
     shader::{Linker, binding, constants::of_constant, linked::Linked},
@@ -70,4 +72,38 @@ pub(crate) fn link(raster: &Raster, linker: Linker) -> Result<Linked, GpuError> 
     let numbers = bindings.map(|Binding { name, number }| ShaderConstant::count(name, number));
     let constants = passes.constants.iter().copied().chain(numbers);
     linker.constants(constants.map(|constant| of_constant(&constant).to_string()).collect()).link(PIECE)
+}
+
+/// The format of a target that passes draw to.
+fn target_format(passes: &Passes, index: usize) -> Option<TextureFormat> {
+    match passes.resources[index] {
+        Resource::Target { format, .. } => Some(texture_format(format)),
+        Resource::Depth { .. } | Resource::Storage { .. } => None,
+    }
+}
+
+/// What a device has to be capable of to blend into all targets that are blended into.
+pub(crate) fn blending_features(passes: &Passes) -> Features {
+    let mut features = Features::empty();
+    for step in &passes.steps {
+        if let StepKind::Draw { targets, .. } = &step.kind {
+            let blended = targets.iter().filter(|(_, blend)| blend.is_some());
+            for format in blended.filter_map(|&(index, _)| target_format(passes, index)) {
+                features |= blend_features(format);
+            }
+        }
+    }
+    features
+}
+
+/// Bytes a sample of the targets of a pass, the most of all passes.
+pub(crate) fn most_target_bytes(passes: &Passes) -> u32 {
+    let bytes = passes.steps.iter().map(|step| match &step.kind {
+        StepKind::Draw { targets, .. } => {
+            let formats = targets.iter().filter_map(|&(index, _)| target_format(passes, index));
+            formats.filter_map(|format| format.target_pixel_byte_cost()).sum()
+        }
+        StepKind::Pixels => 0,
+    });
+    bytes.max().unwrap_or(0)
 }

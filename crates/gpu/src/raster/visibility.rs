@@ -8,9 +8,10 @@ use super::{
     parts::Parts,
 };
 use crate::{
+    compile::compute_pipeline,
     error::GpuError,
     ray::Shade,
-    recording::{Groups, Recording, compute_pipeline},
+    recording::{Groups, Recording},
     resource::{
         bind_group::{buffer_entry, group, texture_entry, texture_in, whole},
         buffer::pixel_buffer,
@@ -43,7 +44,7 @@ impl Visibility {
     pub(super) const STEPS: [&str; 3] = ["visibility", "collect", Shade::STEP];
 
     pub(super) fn new(parts: &Parts<'_>) -> Result<Self, GpuError> {
-        let (gpu, device) = (parts.gpu, parts.gpu.device());
+        let gpu = parts.gpu;
         let fragment = ShaderStages::FRAGMENT;
         let read_write = BufferBindingType::Storage { read_only: false };
         let read_only = BufferBindingType::Storage { read_only: true };
@@ -60,7 +61,7 @@ impl Visibility {
         )?;
 
         let (draw_layout, draw_group) = group(
-            &device,
+            gpu,
             "visibility",
             &[buffer_entry(BIND_TESTED, fragment, read_write)],
             &[whole(BIND_TESTED, &tested)],
@@ -82,7 +83,7 @@ impl Visibility {
         let compute = ShaderStages::COMPUTE;
         let uint = wgpu::TextureSampleType::Uint;
         let (collect_layout, collect_group) = group(
-            &device,
+            gpu,
             "collect",
             &[
                 texture_entry(BIND_VISIBLE_SURFACES, compute, uint, false),
@@ -93,7 +94,7 @@ impl Visibility {
         let linker = parts.method_linker.clone().alias("find", "pass/find_visible");
         let module = gpu.shader(&linker.link("pass/find")?)?;
         let groups = [&parts.layouts.scene, &parts.layouts.pass, &collect_layout];
-        let collect = compute_pipeline(&device, "collect", &groups, &module, "cs_find");
+        let collect = compute_pipeline(gpu, "collect", &groups, &module, "cs_find");
         gpu.check("pass/find")?;
         let shade = Shade::new(gpu, parts.linker, parts.layouts)?;
         Ok(Self { draw, collect, shade, surface, depth, tested, draw_group, collect_group })

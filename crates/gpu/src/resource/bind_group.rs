@@ -2,6 +2,8 @@
 
 use wgpu::{BindGroupLayoutEntry, BindingType, BufferBindingType, ShaderStages};
 
+use crate::{compile::layout, device::Gpu};
+
 /// The layout of a buffer of any size.
 pub(crate) fn buffer_entry(
     binding: u32,
@@ -43,15 +45,6 @@ pub(crate) fn texture_in(binding: u32, view: &wgpu::TextureView) -> wgpu::BindGr
     wgpu::BindGroupEntry { binding, resource: wgpu::BindingResource::TextureView(view) }
 }
 
-/// A layout by its entries.
-pub(crate) fn layout(
-    device: &wgpu::Device,
-    label: &str,
-    entries: &[BindGroupLayoutEntry],
-) -> wgpu::BindGroupLayout {
-    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries })
-}
-
 /// A bind group of a layout that exists.
 pub(crate) fn group_of(
     device: &wgpu::Device,
@@ -64,12 +57,12 @@ pub(crate) fn group_of(
 
 /// A bind group with its layout.
 pub(crate) fn group(
-    device: &wgpu::Device,
+    gpu: &Gpu,
     label: &str,
     layout_entries: &[BindGroupLayoutEntry],
     entries: &[wgpu::BindGroupEntry<'_>],
 ) -> (wgpu::BindGroupLayout, wgpu::BindGroup) {
-    let layout = layout(device, label, layout_entries);
-    let group = group_of(device, label, &layout, entries);
+    let layout = layout(gpu, label, layout_entries);
+    let group = group_of(&gpu.device(), label, &layout, entries);
     (layout, group)
 }

@@ -78,6 +78,15 @@ numbers! {
     /// Group 1: `LayersRecord`s, where they are asked for.
     BIND_LAYERS = 6;
 
+    /// Group 1, where the caller has drawn what is opaque: the `OpaqueUniform`.
+    BIND_INPUT = 7;
+    /// Group 1, where the caller has drawn what is opaque: its colours, linear and premultiplied.
+    BIND_INPUT_COLOUR = 8;
+    /// Group 1, where the caller has drawn what is opaque: its depths, as the caller's projection has them.
+    BIND_INPUT_DEPTH = 9;
+    /// Group 1, where the caller has drawn what is opaque: its motion.
+    BIND_INPUT_MOTION = 10;
+
     /// Group 2 of all raster techniques but visibility: the nearest opaque surface of each pixel.
     BIND_OPAQUE_SURFACES = 0;
 

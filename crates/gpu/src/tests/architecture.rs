@@ -66,3 +66,22 @@ fn the_table_of_passes_is_that_of_the_code() {
     assert!(!wrong(&text.replace("visibility, collect, ", "visibility, ")).is_empty());
     assert!(!wrong(&text.replace("`joint`", "`std`")).is_empty());
 }
+
+/// Files below `src` in which a device is waited for.
+fn files_that_wait(folder: &Path, found: &mut BTreeSet<String>) {
+    for entry in fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            files_that_wait(&path, found);
+        } else if fs::read_to_string(&path).unwrap().contains(concat!(".po", "ll(")) {
+            found.insert(path.file_name().unwrap().to_str().unwrap().to_owned());
+        }
+    }
+}
+
+#[test]
+fn the_device_is_waited_for_in_one_place_which_counts() {
+    let mut found = BTreeSet::new();
+    files_that_wait(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src"), &mut found);
+    assert_eq!(found, BTreeSet::from(["device.rs".to_owned()]));
+}

@@ -230,7 +230,7 @@ fn rays_of_the_camera_are_those_of_the_cpu() {
             inverse_height: (SIZE[1] as f32).recip(),
             ..FrameUniform::zeroed()
         };
-        let shader = Linker::new().link("probe/camera").unwrap();
+        let shader = Linker::new().alias("limit", "shared/limit_none").link("probe/camera").unwrap();
         let rows = run_in(&frame, &shader, &Tables::new(&[], [0, 0]), &input, 8);
         let expected: Vec<[u32; 8]> = input
             .as_chunks()

@@ -6,10 +6,10 @@ use sheer_render::Method;
 use wgpu::{BufferUsages, ShaderStages};
 
 use crate::{
+    compile::{compute_pipeline, layout},
     device::{AdapterChoice, Gpu, Tracer},
     pipeline::{base_linker, with_glass},
-    recording::compute_pipeline,
-    resource::bind_group::{group_of, layout},
+    resource::bind_group::group_of,
     shader::{
         Linker,
         constant::{self, Constant},
@@ -75,11 +75,10 @@ pub(super) fn results(bytes: usize) -> wgpu::Buffer {
 
 /// The compute pipeline of a test's shader, whose entry point is `cs_probe`.
 pub(super) fn pipeline(shader: &Linked, groups: &[&[wgpu::BindGroupLayoutEntry]]) -> wgpu::ComputePipeline {
-    let device = GPU.device();
     let module = GPU.shader(shader).unwrap();
-    let layouts: Vec<_> = groups.iter().map(|entries| layout(&device, "probe", entries)).collect();
+    let layouts: Vec<_> = groups.iter().map(|entries| layout(&GPU, "probe", entries)).collect();
     let layouts: Vec<_> = layouts.iter().collect();
-    let pipeline = compute_pipeline(&device, "probe", &layouts, &module, "cs_probe");
+    let pipeline = compute_pipeline(&GPU, "probe", &layouts, &module, "cs_probe");
     GPU.check("a probe").unwrap();
     pipeline
 }

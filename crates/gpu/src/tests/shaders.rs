@@ -12,7 +12,8 @@ use sheer_render::{
 use crate::{
     device::{AdapterChoice, AdapterReport, Gpu, Tracer},
     error::GpuError,
-    pipeline::{base_linker, with_glass},
+    opaque_input::DepthKind,
+    pipeline::{base_linker, over_opaque, with_glass},
     raster::{
         Lists,
         multisample::Sampling,
@@ -212,6 +213,21 @@ fn every_pass_of_every_method_is_a_valid_shader() {
             }
         }
     }
+}
+
+#[test]
+fn what_a_caller_has_drawn_ends_rays_in_every_pass() {
+    let split = Some(LayerSplit { least_share: 0.25 });
+    for text in ["std", "joint", "baseline", "weighted", "std:hybrid=0.5"] {
+        let method: Method = text.parse().unwrap();
+        for kind in [DepthKind::Depth, DepthKind::Float] {
+            for (piece, shader) in passes_of(&method, over_opaque(base_linker(Tracer::Bvh), kind), split) {
+                validate(&shader).unwrap_or_else(|error| panic!("{text}, {kind:?}, {piece}: {error}"));
+                assert!(shader.text.contains("BIND_INPUT_DEPTH) var input_depth"), "{text}, {piece}");
+            }
+        }
+    }
+    validate(&Linker::new().link("pass/picture").unwrap()).unwrap();
 }
 
 /// What a device with four samples a pixel says of itself.

@@ -3,6 +3,7 @@
 use super::declaration::{Declaration, ShaderType};
 
 pub(crate) mod frame;
+pub(crate) mod opaque;
 pub(crate) mod pixel;
 pub(crate) mod scene;
 pub(crate) mod shadow;
@@ -21,6 +22,7 @@ pub(crate) fn all() -> Vec<Declaration> {
     declarations![
         frame::CameraUniform,
         frame::FrameUniform,
+        opaque::OpaqueUniform,
         pixel::Counts,
         pixel::FragmentStats,
         pixel::LayersRecord,
