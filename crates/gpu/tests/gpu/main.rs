@@ -3,6 +3,7 @@
 
 mod family;
 mod glass;
+mod own_device;
 mod robustness;
 mod shadow_maps;
 mod stochastic;
