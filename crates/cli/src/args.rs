@@ -228,6 +228,8 @@ pub(crate) struct CompareArguments {
     #[command(flatten)]
     pub(crate) data: DataArguments,
     #[command(flatten)]
+    pub(crate) seeds: SeedsArguments,
+    #[command(flatten)]
     pub(crate) frames: FrameArguments,
     #[command(flatten)]
     pub(crate) light: LightArguments,
@@ -244,6 +246,10 @@ pub(crate) struct MetricsArguments {
     #[arg(value_name = "REFERENCE")]
     pub(crate) reference: String,
     /// Pictures of the same size, or clips of as many, each as PATH or NAME=PATH.
+    ///
+    /// Several under one NAME were made with as many seeds: their figures are means ± half of the 95 %
+    /// confidence interval (Student's t), in CSV and JSON under `ci95`, as with `--seeds` of `sheer compare`;
+    /// the page shows the first.
     #[arg(value_name = "PICTURE", required = true)]
     pub(crate) pictures: Vec<String>,
     /// Folder for a page with slider and error maps, and the pictures as PNG.
@@ -264,6 +270,23 @@ pub(crate) struct MetricsArguments {
     pub(crate) tone: ToneArguments,
     #[command(flatten)]
     pub(crate) machine: MachineArguments,
+}
+
+/// What figures are means over.
+#[derive(Args, Clone, Copy, Debug)]
+pub(crate) struct SeedsArguments {
+    /// How many seeds the figures rest on, from --seed on: with two or more, each is the mean over the seeds
+    /// ± half of its 95 % confidence interval (Student's t).
+    ///
+    /// What is measured in pictures or counted (SSIM up to bias, shaded/px, rays/px…) differs by the
+    /// dithering alone: in 95 of 100 such runs the interval holds the mean over all seeds. Decibels are
+    /// averaged as such. What is timed (ms, min, max, spread, ratio…) is so anew with each seed, and its
+    /// interval is that of the machine. What is not random has ±0, and the program names it; `baseline`,
+    /// which `compare` renders once for all seeds, has no interval for its times. The scene is the same with
+    /// every seed; pictures, charts of frames and lists of times are those of the first. CSV has the
+    /// intervals in columns `… ci95`, JSON in an object `ci95` of each row, under the names of the figures.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = value_parser!(u32).range(1..=100))]
+    pub(crate) seeds: u32,
 }
 
 /// The table of figures in files.
@@ -296,6 +319,8 @@ pub(crate) struct BenchArguments {
     pub(crate) html: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) data: DataArguments,
+    #[command(flatten)]
+    pub(crate) seeds: SeedsArguments,
     #[command(flatten)]
     pub(crate) frames: FrameArguments,
     #[command(flatten)]

@@ -18,6 +18,8 @@ const ENDINGS: [&str; 6] = ["png", "exr", "jpg", "jpeg", "hdr", "webp"];
 pub(crate) struct PictureInput {
     /// What it is called.
     pub(crate) name: String,
+    /// Whether that is not its path alone.
+    pub(crate) is_named: bool,
     /// Its frames in order, at least one.
     pub(crate) frames: Vec<PathBuf>,
 }
@@ -27,9 +29,9 @@ impl PictureInput {
     /// their names, or a name with `####` or `%04d`, for which all numbers are taken that there are.
     pub(crate) fn find(text: &str) -> anyhow::Result<Self> {
         let whole = Path::new(text);
-        let (name, path) = match text.split_once('=') {
-            Some((name, path)) if !whole.exists() && !name.contains('/') => (name, Path::new(path)),
-            _ => (text, whole),
+        let (name, path, is_named) = match text.split_once('=') {
+            Some((name, path)) if !whole.exists() && !name.contains('/') => (name, Path::new(path), true),
+            _ => (text, whole, false),
         };
         let frames = frames(path)?;
         if frames.is_empty() {
@@ -38,7 +40,7 @@ impl PictureInput {
                 path.display()
             );
         }
-        Ok(Self { name: name.to_owned(), frames })
+        Ok(Self { name: name.to_owned(), is_named, frames })
     }
 }
 

@@ -7,7 +7,7 @@ use glam::Vec3;
 use rayon::ThreadPoolBuilder;
 use sheer_core::parameter::Choice as _;
 use sheer_image::{Metadata, TextureLimits, Tone, read_panorama};
-use sheer_lab::file_name_from;
+use sheer_lab::{Figures, file_name_from};
 use sheer_load::LoadOptions;
 use sheer_render::{Antialiasing, Backend, Method, RenderError, Settings, Shadow, limits::MOST_THREADS};
 use sheer_scene::{Camera, CameraChoice, Environment, Lens, Scene, SceneError, Viewpoint};
@@ -15,7 +15,7 @@ use sheer_scene::{Camera, CameraChoice, Environment, Lens, Scene, SceneError, Vi
 use crate::{
     args::{
         EnvironmentChoice, FrameArguments, FrameSpan, LightArguments, LoadArguments, MachineArguments,
-        SceneArguments, Size, ToneArguments, ViewArguments,
+        SceneArguments, SeedsArguments, Size, ToneArguments, ViewArguments,
     },
     console::Console,
     failure::Misuse,
@@ -82,6 +82,41 @@ impl FrameArguments {
     pub(crate) fn count(&self) -> u32 {
         let (FrameSpan::Count(count) | FrameSpan::From(_, count)) = self.frames;
         count
+    }
+}
+
+impl SeedsArguments {
+    /// All of them.
+    pub(crate) fn from(self, first: u32) -> Vec<u32> {
+        (0..self.seeds).map(|at| first.wrapping_add(at)).collect()
+    }
+
+    /// What reports say of them: nothing where it is one.
+    pub(crate) fn count(self) -> Option<u32> {
+        (self.seeds > 1).then_some(self.seeds)
+    }
+
+    /// Says what figures over seeds are, and whose are certain.
+    pub(crate) fn explain(self, figures: &Figures, console: Console) {
+        if self.seeds == 1 {
+            return;
+        }
+        console.note(format_args!(
+            "figures are means over {} seeds ± half of the 95 % confidence interval (Student's t)",
+            self.seeds
+        ));
+        note_certain(figures, console);
+    }
+}
+
+/// Says what an interval of nothing means.
+pub(crate) fn note_certain(figures: &Figures, console: Console) {
+    let certain = figures.certain();
+    if !certain.is_empty() {
+        console.note(format_args!(
+            "the same with every seed, which is why the interval is ±0: {}",
+            certain.join(", ")
+        ));
     }
 }
 
@@ -306,6 +341,7 @@ fn describe_scene(
         backend: backend.name(),
         adapter: backend.adapter(),
         seed: settings.seed,
+        seeds: None,
         version: VERSION,
         commit: COMMIT,
         threads,

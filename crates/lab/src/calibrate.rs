@@ -47,6 +47,7 @@ const COLUMNS: &[Column<Level>] = &[
         meaning: "Opacity of the material.",
         decimals: 4,
         is_optional: false,
+        is_time: false,
         value: |level| Some(level.wanted),
     },
     Column {
@@ -54,6 +55,7 @@ const COLUMNS: &[Column<Level>] = &[
         meaning: "Opacity that the picture shows: brightness of white with this opacity over black, the mean over the last half of the frames.",
         decimals: 4,
         is_optional: false,
+        is_time: false,
         value: |level| Some(level.measured),
     },
     Column {
@@ -61,6 +63,7 @@ const COLUMNS: &[Column<Level>] = &[
         meaning: "Coverage to feed the method with, so that it shows the opacity that is wanted.",
         decimals: 4,
         is_optional: false,
+        is_time: false,
         value: |level| Some(level.corrected),
     },
 ];

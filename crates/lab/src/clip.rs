@@ -5,7 +5,8 @@ use sheer_metrics::{Ghosting, error_map, video_vdp_jod};
 use sheer_render::{Antialiasing, Backend, Clock, Method, Settings};
 
 use crate::{
-    Foreign, ForeignJudged, Judging, LabError, Measured, Progress, REFERENCE, Result, Tally, Timeline, Truth,
+    Foreign, ForeignJudged, Judging, LabError, Measured, Progress, REFERENCE, Result, Seeded, Tally,
+    Timeline, Truth,
     foreign::Beside,
     measured::AgainstTruth,
     play::{Event, pipelines, play},
@@ -79,30 +80,43 @@ impl Clip {
         truth: Option<&mut Truth>,
         progress: &dyn Progress,
     ) -> Result<Vec<Measured>> {
-        let (measured, _) = self.play_beside(backend, stage, methods, truth, &[], progress)?;
-        Ok(measured)
+        let contestants = (methods, &[self.settings.seed][..]);
+        let (measured, _) = self.play_beside(backend, stage, contestants, truth, &[], progress)?;
+        Ok(measured.into_iter().map(Seeded::into_first).collect())
     }
 
-    /// The same with pictures of other programs beside the methods, held against the same frames.
+    /// The same with each of several seeds, and with pictures of other programs beside the methods, held
+    /// against the same frames. The reference is rendered once and stands for all seeds: where even shadows
+    /// are random ([`Shadow::is_random`](sheer_render::Shadow::is_random)), give one seed at a time, which is
+    /// that of the settings.
     ///
     /// # Errors
     /// Those of [`Self::play`], those of reading the pictures, and [`LabError::Misuse`] if one is not of the
-    /// size of the clip or the last frame has none.
+    /// size of the clip or the last frame has none, or there is no seed.
     pub fn play_beside<B: Backend>(
         &self,
         backend: &B,
         stage: &mut B::Stage,
-        methods: &[Method],
+        contestants @ (_, seeds): (&[Method], &[u32]),
         truth: Option<&mut Truth>,
         foreign: &[Foreign<'_>],
         progress: &dyn Progress,
-    ) -> Result<(Vec<Measured>, Vec<ForeignJudged>)> {
+    ) -> Result<(Vec<Seeded<Measured>>, Vec<ForeignJudged>)> {
+        if seeds.is_empty() {
+            return Err(LabError::Misuse("there is no seed to render with".to_owned()));
+        }
         let vdp_frames_per_sec = self.keeps_frames.then(|| self.frames_per_sec());
         let judging = Judging { tone: self.settings.tone, vdp_frames_per_sec };
         let mut beside = Beside::new(foreign, judging, self.frame_count);
-        let contestants = (methods, &[self.settings.seed][..]);
         let measured = self.play_seeds(backend, stage, contestants, truth, &mut beside, progress)?;
-        Ok((measured.into_iter().flatten().collect(), beside.judged(self.antialiasing)?))
+        let seeded = measured.into_iter().filter_map(|mut runs| match runs.pop() {
+            Some(run) if runs.is_empty() && seeds.len() > 1 => Some(Seeded::once_for_all(run)),
+            last => {
+                runs.extend(last);
+                Seeded::of(runs)
+            }
+        });
+        Ok((seeded.collect(), beside.judged(self.antialiasing)?))
     }
 
     /// The same with several seeds of each method, which share the reference and the truth: one for each seed

@@ -9,7 +9,8 @@ use crate::{
 
 /// The cost of each frame with each method under its anti-aliasing, all in turn at each frame, whatever
 /// moment the anti-aliasing would have a frame show. `warms_up`: the first frame is rendered once more
-/// before, so that tables are built, memory is touched and the processor has left its sleep.
+/// before, so that tables are built, memory is touched and the processor has left its sleep. `progress` hears
+/// a step a frame and method, that first frame among them.
 ///
 /// # Errors
 /// What the backend says.
@@ -31,7 +32,6 @@ pub fn measure_cost<B: Backend>(
     for (pipeline, _) in pipelines.iter().zip(methods).filter(|(_, (_, own))| Some(*own) == first) {
         backend.notes(pipeline).iter().for_each(|note| progress.warn(note));
     }
-    progress.expect(u64::from(timeline.frames() + u32::from(warms_up)) * pipelines.len() as u64);
     let mut tallies = vec![Tally::default(); pipelines.len()];
 
     if warms_up {

@@ -165,7 +165,7 @@ mod tests {
         let mut truth = Truth::new(settings, 2);
         let foreign = [Foreign { name: "theirs", picture }];
         let (measured, mut judged) =
-            clip.play_beside(&Cpu, &mut stage, &methods, Some(&mut truth), &foreign, &Silent)?;
+            clip.play_beside(&Cpu, &mut stage, (&methods, &[0]), Some(&mut truth), &foreign, &Silent)?;
         let mut figures = figures(&measured, true, &[Reference::Same, Reference::TRUTH]);
         figures.add_foreign(&judged, true);
         Ok((figures, judged.remove(0)))

@@ -43,6 +43,7 @@ pub mod plot;
 mod progress;
 mod quality;
 mod reference;
+mod seeded;
 mod shown;
 mod tally;
 mod truth;
@@ -63,6 +64,7 @@ pub use crate::{
     progress::{Progress, Silent},
     quality::ERROR_FULL_SCALE,
     reference::{REFERENCE, Reference},
+    seeded::{Estimate, Seeded},
     tally::Tally,
     truth::Truth,
 };

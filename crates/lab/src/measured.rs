@@ -4,7 +4,7 @@ use sheer_image::Image;
 use sheer_render::{Antialiasing, Method};
 
 use crate::{
-    Reference,
+    Reference, Seeded,
     figures::{Column, Figures, Name},
 };
 
@@ -159,6 +159,7 @@ const TIMES: &[Column<Measured>] = &[
         meaning: "Median time of a frame in milliseconds: animation, acceleration structure, tracing and shading. Adding frames up over time is not counted.",
         decimals: 1,
         is_optional: false,
+        is_time: true,
         value: |row| Some(row.ms_median),
     },
     Column {
@@ -166,6 +167,7 @@ const TIMES: &[Column<Measured>] = &[
         meaning: "Time of the fastest frame, milliseconds.",
         decimals: 1,
         is_optional: false,
+        is_time: true,
         value: |row| Some(row.ms_min),
     },
     Column {
@@ -173,6 +175,7 @@ const TIMES: &[Column<Measured>] = &[
         meaning: "Time of the slowest frame, milliseconds.",
         decimals: 1,
         is_optional: false,
+        is_time: true,
         value: |row| Some(row.ms_max),
     },
 ];
@@ -184,6 +187,7 @@ const AGAINST_SAME: &[Column<Measured>] = &[
         meaning: "Structural similarity to the exact picture as displayed. 1 is the same picture; above 0.98 few people see a difference.",
         decimals: 4,
         is_optional: false,
+        is_time: false,
         value: |row| Some(row.ssim),
     },
     Column {
@@ -191,6 +195,7 @@ const AGAINST_SAME: &[Column<Measured>] = &[
         meaning: "Peak signal-to-noise ratio of the displayed picture in decibels: 6 more means half the error. A dash: no error at all.",
         decimals: 2,
         is_optional: false,
+        is_time: false,
         value: |row| row.psnr_db,
     },
     Column {
@@ -198,6 +203,7 @@ const AGAINST_SAME: &[Column<Measured>] = &[
         meaning: "Peak signal-to-noise ratio of the change from one frame to the next in decibels: what shimmers lowers it, a steady error does not. A dash: no error at all, or a single frame.",
         decimals: 2,
         is_optional: false,
+        is_time: false,
         value: |row| row.tpsnr_db,
     },
     Column {
@@ -205,6 +211,7 @@ const AGAINST_SAME: &[Column<Measured>] = &[
         meaning: "ColorVideoVDP: quality of the clip to a viewer before a 30 inch 4K monitor in an office. 10 is no visible difference; at 9, three in four viewers prefer the exact one.",
         decimals: 3,
         is_optional: true,
+        is_time: false,
         value: |row| row.vdp_jod,
     },
     Column {
@@ -212,6 +219,7 @@ const AGAINST_SAME: &[Column<Measured>] = &[
         meaning: "Difference that an eye would notice when the two pictures alternate on a display. 0 is none, 1 the most.",
         decimals: 4,
         is_optional: false,
+        is_time: false,
         value: |row| Some(row.flip),
     },
     Column {
@@ -219,6 +227,7 @@ const AGAINST_SAME: &[Column<Measured>] = &[
         meaning: "How much the error changes from frame to frame: its standard deviation over time, display white being 1. A steady error does not flicker; nor does motion that the exact picture shares. Cleanest on a still clip.",
         decimals: 4,
         is_optional: false,
+        is_time: false,
         value: |row| Some(row.flicker),
     },
     Column {
@@ -226,6 +235,7 @@ const AGAINST_SAME: &[Column<Measured>] = &[
         meaning: "Root mean square error in linear light.",
         decimals: 4,
         is_optional: false,
+        is_time: false,
         value: |row| Some(row.rms),
     },
     Column {
@@ -233,6 +243,7 @@ const AGAINST_SAME: &[Column<Measured>] = &[
         meaning: "Mean error in linear light with its sign, over all pixels and the last half of the frames: what remains when noise averages out. Above 0 is too bright. For a bias that is more than chance, take a still clip of 512 frames or more, whose last half has 256.",
         decimals: 5,
         is_optional: false,
+        is_time: false,
         value: |row| Some(row.bias),
     },
 ];
@@ -244,6 +255,7 @@ const AGAINST_TRUTH: &[Column<Measured>] = &[
         meaning: "Structural similarity to the truth: to the exact answer with many samples a pixel at the moment of the frame, without any history. 1 is the same picture.",
         decimals: 4,
         is_optional: true,
+        is_time: false,
         value: |row| Some(of_truth(row)?.ssim),
     },
     Column {
@@ -251,6 +263,7 @@ const AGAINST_TRUTH: &[Column<Measured>] = &[
         meaning: "Peak signal-to-noise ratio of the displayed picture against the truth, decibels. A dash: no error at all.",
         decimals: 2,
         is_optional: true,
+        is_time: false,
         value: |row| of_truth(row)?.psnr_db,
     },
     Column {
@@ -258,6 +271,7 @@ const AGAINST_TRUTH: &[Column<Measured>] = &[
         meaning: "Peak signal-to-noise ratio of the change from one frame to the next against that of the truth, decibels: what shimmers lowers it, and what lags behind. A dash: no error at all, or a single frame.",
         decimals: 2,
         is_optional: true,
+        is_time: false,
         value: |row| of_truth(row)?.tpsnr_db,
     },
     Column {
@@ -265,6 +279,7 @@ const AGAINST_TRUTH: &[Column<Measured>] = &[
         meaning: "ColorVideoVDP of the clip against the truth's. 10 is no visible difference.",
         decimals: 3,
         is_optional: true,
+        is_time: false,
         value: |row| of_truth(row)?.vdp_jod,
     },
     Column {
@@ -272,6 +287,7 @@ const AGAINST_TRUTH: &[Column<Measured>] = &[
         meaning: "Difference to the truth that an eye would notice. 0 is none, 1 the most.",
         decimals: 4,
         is_optional: true,
+        is_time: false,
         value: |row| Some(of_truth(row)?.flip),
     },
     Column {
@@ -279,6 +295,7 @@ const AGAINST_TRUTH: &[Column<Measured>] = &[
         meaning: "How much the error against the truth changes from frame to frame: its standard deviation over time, display white being 1.",
         decimals: 4,
         is_optional: true,
+        is_time: false,
         value: |row| Some(of_truth(row)?.flicker),
     },
     Column {
@@ -286,6 +303,7 @@ const AGAINST_TRUTH: &[Column<Measured>] = &[
         meaning: "Mean error against the truth in linear light, with its sign, in the pixels whose surface was hidden behind a nearer one in the last 8 frames: what is left there of what has gone. 0 is none; above 0 ghosts are too bright. A dash: nothing was uncovered.",
         decimals: 5,
         is_optional: true,
+        is_time: false,
         value: |row| of_truth(row)?.ghosting,
     },
     Column {
@@ -293,6 +311,7 @@ const AGAINST_TRUTH: &[Column<Measured>] = &[
         meaning: "Root mean square error against the truth in linear light.",
         decimals: 4,
         is_optional: true,
+        is_time: false,
         value: |row| Some(of_truth(row)?.rms),
     },
     Column {
@@ -300,6 +319,7 @@ const AGAINST_TRUTH: &[Column<Measured>] = &[
         meaning: "Mean error against the truth in linear light with its sign, over all pixels and the frames that are judged.",
         decimals: 5,
         is_optional: true,
+        is_time: false,
         value: |row| Some(of_truth(row)?.bias),
     },
 ];
@@ -315,6 +335,7 @@ const COSTS: &[Column<Measured>] = &[
         meaning: "Fragments shaded for a pixel of a frame. Shading is what costs; one-fragment methods stay at 1 or below, since sky is not shaded.",
         decimals: 2,
         is_optional: false,
+        is_time: false,
         value: |row| Some(row.shaded_per_pixel),
     },
     Column {
@@ -322,6 +343,7 @@ const COSTS: &[Column<Measured>] = &[
         meaning: "Surfaces that the rays of a pixel met and tested or blended.",
         decimals: 2,
         is_optional: false,
+        is_time: false,
         value: |row| Some(row.hits_per_pixel),
     },
     Column {
@@ -329,6 +351,7 @@ const COSTS: &[Column<Measured>] = &[
         meaning: "What the method stores for a pixel beyond colour and depth. On the CPU, what its paper asks of a GPU, a list without bound with the mean of its fragments; on a GPU, what was allocated.",
         decimals: 0,
         is_optional: false,
+        is_time: false,
         value: |row| Some(row.memory_bytes_per_pixel),
     },
     Column {
@@ -336,6 +359,7 @@ const COSTS: &[Column<Measured>] = &[
         meaning: "Fragments of a pixel that found no place of their own in bounded memory and were merged with others. 0 where nothing overflowed.",
         decimals: 2,
         is_optional: false,
+        is_time: false,
         value: |row| Some(row.merged_per_pixel),
     },
 ];
@@ -354,13 +378,14 @@ fn columns(references: &[Reference]) -> impl Iterator<Item = &'static Column<Mea
 }
 
 /// The table, with the qualities against these references; the anti-aliasing is named where it is asked for.
+/// Of several seeds it has means with their intervals.
 #[must_use]
 pub fn figures<'r>(
-    rows: impl IntoIterator<Item = &'r Measured>,
+    rows: impl IntoIterator<Item = &'r Seeded<Measured>>,
     names_aa: bool,
     references: &[Reference],
 ) -> Figures {
-    Figures::new(if names_aa { &NAMES } else { &NAMES[..1] }, columns(references), rows)
+    Figures::over_seeds(if names_aa { &NAMES } else { &NAMES[..1] }, columns(references), rows)
 }
 
 /// The method and the columns of these titles.

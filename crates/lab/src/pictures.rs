@@ -4,7 +4,7 @@ use sheer_image::{Image, Picture, Tone, display};
 use sheer_metrics::{error_map, video_vdp_jod};
 
 use crate::{
-    ERROR_FULL_SCALE, LabError, Result,
+    ERROR_FULL_SCALE, LabError, Result, Seeded,
     figures::{Column, Figures, Name},
     quality::Quality,
     shown::Shown,
@@ -149,6 +149,7 @@ const COLUMNS: &[Column<Judged>] = &[
         meaning: "How many frames were held against those of the reference; figures are means over them.",
         decimals: 0,
         is_optional: false,
+        is_time: false,
         value: |row| Some(f64::from(row.frames)),
     },
     Column {
@@ -156,6 +157,7 @@ const COLUMNS: &[Column<Judged>] = &[
         meaning: "Structural similarity to the reference as displayed. 1 is the same picture; above 0.98 few people see a difference.",
         decimals: 4,
         is_optional: false,
+        is_time: false,
         value: |row| Some(row.ssim),
     },
     Column {
@@ -163,6 +165,7 @@ const COLUMNS: &[Column<Judged>] = &[
         meaning: "Peak signal-to-noise ratio as displayed, decibels: 6 more means half the error. A dash: no error at all.",
         decimals: 2,
         is_optional: false,
+        is_time: false,
         value: |row| row.psnr_db,
     },
     Column {
@@ -170,6 +173,7 @@ const COLUMNS: &[Column<Judged>] = &[
         meaning: "Peak signal-to-noise ratio of the change from one frame to the next, decibels: what shimmers lowers it, a steady error does not. A dash: no error at all.",
         decimals: 2,
         is_optional: true,
+        is_time: false,
         value: |row| row.tpsnr_db,
     },
     Column {
@@ -177,6 +181,7 @@ const COLUMNS: &[Column<Judged>] = &[
         meaning: "ColorVideoVDP: quality to a viewer before a 30 inch 4K monitor in an office. 10 is no visible difference; at 9, three in four viewers prefer the reference.",
         decimals: 3,
         is_optional: true,
+        is_time: false,
         value: |row| row.vdp_jod,
     },
     Column {
@@ -184,6 +189,7 @@ const COLUMNS: &[Column<Judged>] = &[
         meaning: "Difference that an eye would notice when the two pictures alternate on a display. 0 is none, 1 the most.",
         decimals: 4,
         is_optional: false,
+        is_time: false,
         value: |row| Some(row.flip),
     },
     Column {
@@ -191,6 +197,7 @@ const COLUMNS: &[Column<Judged>] = &[
         meaning: "How much the error changes from frame to frame: its standard deviation over time, display white being 1.",
         decimals: 4,
         is_optional: true,
+        is_time: false,
         value: |row| row.flicker,
     },
     Column {
@@ -198,6 +205,7 @@ const COLUMNS: &[Column<Judged>] = &[
         meaning: "Root mean square error in linear light.",
         decimals: 4,
         is_optional: false,
+        is_time: false,
         value: |row| Some(row.rms),
     },
     Column {
@@ -205,6 +213,7 @@ const COLUMNS: &[Column<Judged>] = &[
         meaning: "Mean error in linear light with its sign. Above 0 is too bright.",
         decimals: 5,
         is_optional: false,
+        is_time: false,
         value: |row| Some(row.bias),
     },
 ];
@@ -218,10 +227,10 @@ pub(crate) fn figure(judged: &Judged, title: &str) -> Option<f64> {
 /// What a row is.
 const NAMES: [Name<Judged>; 1] = [("picture", |row| row.name.clone())];
 
-/// The table.
+/// The table; of pictures that were made with several seeds it has means with their intervals.
 #[must_use]
-pub fn picture_figures<'r>(rows: impl IntoIterator<Item = &'r Judged>) -> Figures {
-    Figures::new(&NAMES, COLUMNS, rows)
+pub fn picture_figures<'r>(rows: impl IntoIterator<Item = &'r Seeded<Judged>>) -> Figures {
+    Figures::over_seeds(&NAMES, COLUMNS, rows)
 }
 
 #[cfg(test)]

@@ -42,6 +42,14 @@ impl Moments {
     pub fn variance_of_mean(&self) -> f64 {
         self.variance() / self.count.max(1) as f64
     }
+
+    /// Half of the interval around the mean that holds the true one with probability `confidence` where the
+    /// numbers are independent and normal (Student 1908); none for less than two numbers.
+    #[must_use]
+    pub fn half_width(&self, confidence: f64) -> Option<f64> {
+        let degrees = u32::try_from(self.count.checked_sub(1)?).unwrap_or(u32::MAX);
+        (degrees > 0).then(|| student_t(1.0 - confidence, degrees) * self.variance_of_mean().sqrt())
+    }
 }
 
 impl Extend<f64> for Moments {
@@ -107,6 +115,25 @@ pub fn student_t_p(t: f64, degrees: u32) -> f64 {
     }
     let inside = if degrees % 2 == 1 { (angle + sine * sum) * 2.0 / PI } else { sine * sum };
     (1.0 - inside).clamp(0.0, 1.0)
+}
+
+/// The positive `t` with the given [`student_t_p`], in (0, 1]; infinite without degrees of freedom.
+#[must_use]
+pub fn student_t(probability: f64, degrees: u32) -> f64 {
+    if degrees == 0 {
+        return f64::INFINITY;
+    }
+    let mut high = 1.0;
+    while student_t_p(high, degrees) > probability && high < f64::MAX / 2.0 {
+        high *= 2.0;
+    }
+    let mut low = 0.0;
+    // Each step halves the interval: 60 are more than a double can tell apart.
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if student_t_p(middle, degrees) > probability { low = middle } else { high = middle }
+    }
+    high
 }
 
 /// The level at which each of `tests` independent tests has to be held so that all together err with
@@ -220,6 +247,54 @@ mod tests {
         // With many degrees it is the normal one.
         assert!((student_t_p(1.96, 10_000) / two_sided_p(1.96) - 1.0).abs() < 1e-3);
         assert_eq!([student_t_p(0.0, 7), student_t_p(9.0, 0)], [1.0, 1.0]);
+    }
+
+    #[test]
+    fn half_widths_have_their_closed_forms() {
+        // With one degree of freedom the distribution is Cauchy's, with two a root (Student 1908).
+        for p in [0.01, 0.05, 0.5_f64] {
+            let cauchy = (0.5 * PI * (1.0 - p)).tan();
+            assert!((student_t(p, 1) / cauchy - 1.0).abs() < 1e-9, "{p}: {}", student_t(p, 1));
+            let root = (1.0 - p) * (2.0 / (1.0 - (1.0 - p).powi(2))).sqrt();
+            assert!((student_t(p, 2) / root - 1.0).abs() < 1e-9, "{p}: {}", student_t(p, 2));
+        }
+        assert_eq!(student_t(0.05, 0), f64::INFINITY);
+        // 3 and 5: a deviation of √2 over √2 numbers, times tan(0.475 π).
+        let half_width = |values: &[f64]| values.iter().copied().collect::<Moments>().half_width(0.95);
+        let pair = half_width(&[3.0, 5.0]).unwrap();
+        assert!((pair - (0.475 * PI).tan()).abs() < 1e-6, "{pair}");
+        let three = half_width(&[1.0, 2.0, 3.0]).unwrap();
+        assert!((three - 0.95 * (2.0 / (1.0 - 0.9025_f64)).sqrt() / 3.0_f64.sqrt()).abs() < 1e-9, "{three}");
+        // What never varies is certain, and of one number nothing is known.
+        assert_eq!([half_width(&[0.1; 7]), half_width(&[0.1]), half_width(&[])], [Some(0.0), None, None]);
+    }
+
+    #[test]
+    fn intervals_hold_the_true_mean_as_often_as_they_say() {
+        const RUNS: u32 = 20_000;
+        const SEEDS: u32 = 3;
+        let mut random = Pcg32::new(11, 2);
+        // Box and Muller 1958.
+        let mut normal = || {
+            let [u, v] = [(); 2].map(|()| f64::from(random.next_f32()));
+            (-2.0 * (1.0 - u).ln()).sqrt() * (2.0 * PI * v).cos()
+        };
+        let (mut held, mut held_by_normal) = (0, 0);
+        for _ in 0..RUNS {
+            let moments: Moments = (0..SEEDS).map(|_| 7.0 + 0.5 * normal()).collect();
+            let error = (moments.mean() - 7.0).abs();
+            held += u32::from(error <= moments.half_width(0.95).unwrap());
+            held_by_normal += u32::from(error <= two_sided_z(0.05) * moments.variance_of_mean().sqrt());
+        }
+        let z = |held: u32| {
+            let (share, deviation) = (f64::from(held) / f64::from(RUNS), (0.95_f64 * 0.05).sqrt());
+            z_score(share - 0.95, deviation / f64::from(RUNS).sqrt())
+        };
+        assert!(two_sided_p(z(held)) > 0.001, "{held} of {RUNS}");
+        assert!(
+            two_sided_p(z(held_by_normal)) < 0.001,
+            "three numbers taken for normal pass: {held_by_normal}"
+        );
     }
 
     #[test]

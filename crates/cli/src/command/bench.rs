@@ -1,7 +1,7 @@
 //! `sheer bench`: what methods cost.
 
-use sheer_lab::{Timeline, measure_cost};
-use sheer_render::{Antialiasing, Backend};
+use sheer_lab::{Progress as _, Seeded, Tally, Timeline, measure_cost};
+use sheer_render::{Antialiasing, Backend, Settings};
 
 use crate::{
     args::{BenchArguments, DEFAULT_SIZE},
@@ -10,7 +10,7 @@ use crate::{
     report::{
         benchmark::{figures, passes},
         data_files::DataFiles,
-        json::{self, Benchmark, BenchmarkRow},
+        json::{self, Benchmark, BenchmarkRow, Row, Run},
         page,
         table::Table,
     },
@@ -41,12 +41,32 @@ fn bench<B: Backend>(arguments: &BenchArguments, backend: &B) -> anyhow::Result<
     let antialiasings = without_repeats(&arguments.antialiasings);
     let contestants: Vec<_> =
         antialiasings.iter().flat_map(|aa| methods.iter().map(move |method| (method, *aa))).collect();
-    let tallies =
-        measure_cost(backend, &mut opened.stage, &contestants, settings, timeline, true, &console.bar())?;
+    let seeds = arguments.seeds.from(settings.seed);
+    let bar = console.bar();
+    // One frame more warms up.
+    bar.expect((u64::from(frame_count) + 1) * (contestants.len() * seeds.len()) as u64);
+    let mut of_seeds: Vec<Vec<Tally>> = Vec::with_capacity(seeds.len());
+    for &seed in &seeds {
+        let settings = Settings { seed, ..settings };
+        of_seeds.push(measure_cost(
+            backend,
+            &mut opened.stage,
+            &contestants,
+            settings,
+            timeline,
+            true,
+            &bar,
+        )?);
+    }
+    drop(bar);
 
-    let row = |(&(method, aa), tally)| BenchmarkRow::new(method, aa, tally, &tallies[0]);
-    let rows = contestants.iter().zip(&tallies).map(row).collect();
+    let row = |(at, &(method, aa)): (usize, &(_, _))| {
+        let rows = of_seeds.iter().map(|tallies| BenchmarkRow::new(method, aa, &tallies[at], &tallies[0]));
+        Seeded::of(rows.collect()).map(Row)
+    };
+    let rows = contestants.iter().enumerate().filter_map(row).collect();
     let run = setup::describe(backend, &arguments.scene, &opened, &settings, frame_count);
+    let run = Run { seeds: arguments.seeds.count(), ..run };
     let report = Benchmark { run, rows };
     if let Some(output) = &html {
         output.write(&page::benchmark::text(&report)?)?;
@@ -55,6 +75,7 @@ fn bench<B: Backend>(arguments: &BenchArguments, backend: &B) -> anyhow::Result<
         output.write(&json::text(&report)?)?;
     }
     let figures = figures(&report);
+    arguments.seeds.explain(&figures, console);
     data_files.write(&figures)?;
     let replaces_table = |output: &Option<TextOutput<'_>>| output.as_ref().is_some_and(TextOutput::is_stdout);
     if replaces_table(&json) || replaces_table(&html) || data_files.is_stdout() {

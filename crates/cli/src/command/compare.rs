@@ -4,8 +4,8 @@ use std::path::Path;
 
 use sheer_image::{Picture, TextureLimits, read_picture};
 use sheer_lab::{
-    Clip, ComparisonRow, ERROR_FULL_SCALE, Foreign, Measured, REFERENCE, Reference, Timeline, Truth, figures,
-    file_name_from, with_reference,
+    Clip, ComparisonRow, ERROR_FULL_SCALE, Foreign, ForeignJudged, Measured, Progress, REFERENCE, Reference,
+    Seeded, Timeline, Truth, figures, file_name_from, with_reference,
 };
 use sheer_metrics::LEAST_VDP_SIDE_PX;
 use sheer_render::{Backend, Method, Settings};
@@ -18,7 +18,7 @@ use crate::{
     output,
     report::{
         data_files::DataFiles,
-        json::{self, Comparison},
+        json::{self, Comparison, Row, Run},
         page::{
             self,
             comparison::{Entry, ForeignEntry, Page, TruthPicture},
@@ -54,7 +54,8 @@ fn compare<B: Backend>(arguments: &CompareArguments, backend: &B) -> anyhow::Res
     let methods = with_reference(without_repeats(&arguments.methods))?;
     let antialiasings = without_repeats(&arguments.antialiasings);
     let references = without_repeats(&arguments.references);
-    let mut truth = Truth::among(&references, settings)?;
+    let seeds = Seeds::new(arguments, &settings);
+    let mut truths = seeds.truths(&references, settings)?;
     let pictures = foreign_pictures(arguments, &methods, &settings)?;
     let mut opened = arguments.scene.open(backend, settings.size, arguments.machine, console)?;
 
@@ -74,20 +75,25 @@ fn compare<B: Backend>(arguments: &CompareArguments, backend: &B) -> anyhow::Res
     let mut judged = Vec::new();
     let mut true_pictures = Vec::new();
     let bar = console.bar();
+    bar.expect(u64::from(frame_count) * (antialiasings.len() * seeds.contestants(&methods)) as u64);
     for &antialiasing in &antialiasings {
         let clip = Clip { settings, antialiasing, frame_count, keeps_frames: arguments.vdp };
         let timeline = Timeline::of(&settings, antialiasing, frame_count);
         let stage = &mut opened.stage;
         let (of_methods, of_others) =
-            clip.play_beside(backend, stage, &methods, truth.as_mut(), &foreign, &bar)?;
+            seeds.play(&clip, (backend, stage), &methods, &mut truths, &foreign, &bar)?;
         measured.extend(of_methods);
         judged.extend(of_others);
-        if let Some(picture) = truth.as_ref().and_then(|truth| truth.picture(timeline)) {
+        if let Some(picture) = truths.first().and_then(|truth| truth.picture(timeline)) {
             true_pictures.push(TruthPicture::new(antialiasing, &picture)?);
         }
     }
     drop(bar);
-    measured.iter().filter_map(overflow_of_reference).for_each(|warning| console.warn(warning));
+    measured
+        .iter()
+        .map(Seeded::first)
+        .filter_map(overflow_of_reference)
+        .for_each(|warning| console.warn(warning));
 
     // Pictures are encoded once, for their files and for the page.
     let entries = measured.into_iter().map(Entry::new).collect::<anyhow::Result<Vec<_>>>()?;
@@ -99,14 +105,20 @@ fn compare<B: Backend>(arguments: &CompareArguments, backend: &B) -> anyhow::Res
         .collect::<anyhow::Result<Vec<_>>>()?;
     write_pictures(folder, &entries, &foreign_entries, &true_pictures)?;
     let run = setup::describe(backend, &arguments.scene, &opened, &settings, frame_count);
-    let rows = entries.iter().flat_map(|Entry { measured, .. }| {
-        references.iter().filter_map(|&reference| ComparisonRow::new(measured, reference))
-    });
-    let foreign_rows = foreign_entries.iter().flat_map(|ForeignEntry { judged, pattern, .. }| {
-        let row = move |&reference: &Reference| ComparisonRow::of_foreign(judged, pattern, reference);
+    let run = Run { seeds: arguments.seeds.count(), ..run };
+    let rows = entries.iter().flat_map(|Entry { runs, .. }| {
+        let row = |&reference: &Reference| {
+            runs.try_map(|measured| ComparisonRow::new(measured, reference).ok_or(())).ok()
+        };
         references.iter().filter_map(row)
     });
-    let rows = rows.chain(foreign_rows).collect();
+    let foreign_rows = foreign_entries.iter().flat_map(|ForeignEntry { judged, pattern, .. }| {
+        let row = move |&reference: &Reference| {
+            Seeded::of(vec![ComparisonRow::of_foreign(judged, pattern, reference)?])
+        };
+        references.iter().filter_map(row)
+    });
+    let rows = rows.chain(foreign_rows).map(Row).collect();
     let report = Comparison { run, reference: REFERENCE.to_owned(), rows };
     // What refers to the pictures comes last, so that an interrupted run leaves no report that lacks them.
     let page = Page {
@@ -120,8 +132,9 @@ fn compare<B: Backend>(arguments: &CompareArguments, backend: &B) -> anyhow::Res
     let page = page::comparison::text(&page)?;
     output::write_file(&folder.join("report.json"), json::text(&report)?.as_bytes())?;
     output::write_file(&folder.join("index.html"), page.as_bytes())?;
-    let mut figures = figures(entries.iter().map(|entry| &entry.measured), true, &references);
+    let mut figures = figures(entries.iter().map(|entry| &entry.runs), true, &references);
     figures.add_foreign(foreign_entries.iter().map(|entry| &entry.judged), true);
+    arguments.seeds.explain(&figures, console);
     data_files.write(&figures)?;
     if !data_files.is_stdout() {
         output::print(&Table::of(&figures).text())?;
@@ -145,7 +158,8 @@ fn write_pictures(
             None => Ok(()),
         }
     };
-    for Entry { measured, picture_png, error_png } in entries {
+    for entry @ Entry { picture_png, error_png, .. } in entries {
+        let measured = entry.first();
         let (aa, method) = (measured.antialiasing.to_string(), measured.method.to_string());
         write(&aa, &method, picture_png, error_png.as_deref())?;
     }
@@ -194,6 +208,62 @@ fn foreign_pictures<'a>(
 
 fn read(path: &Path) -> sheer_lab::Result<Picture> {
     Ok(read_picture(path, TextureLimits::default())?)
+}
+
+/// The seeds of a comparison, and which of them share a reference.
+struct Seeds {
+    all: Vec<u32>,
+    /// Whether even what is exact knows the seed, so that each has a reference and a truth of its own.
+    apart: bool,
+}
+
+impl Seeds {
+    fn new(arguments: &CompareArguments, settings: &Settings) -> Self {
+        Self { all: arguments.seeds.from(settings.seed), apart: settings.shadow.is_random() }
+    }
+
+    /// Those that are rendered side by side.
+    fn groups(&self) -> impl Iterator<Item = &[u32]> {
+        self.all.chunks(if self.apart { 1 } else { self.all.len() })
+    }
+
+    /// How many pictures a frame takes.
+    fn contestants(&self, methods: &[Method]) -> usize {
+        self.groups().map(|seeds| 1 + (methods.len() - 1) * seeds.len()).sum()
+    }
+
+    /// The truth of each group, if it is asked for.
+    fn truths(&self, references: &[Reference], settings: Settings) -> sheer_lab::Result<Vec<Truth>> {
+        let truth = |seeds: &[u32]| Truth::among(references, Settings { seed: seeds[0], ..settings });
+        self.groups().filter_map(|seeds| truth(seeds).transpose()).collect()
+    }
+
+    /// Plays a clip with all of them; pictures of other programs are held against the first reference.
+    fn play<B: Backend>(
+        &self,
+        clip: &Clip,
+        (backend, stage): (&B, &mut B::Stage),
+        methods: &[Method],
+        truths: &mut [Truth],
+        foreign: &[Foreign<'_>],
+        progress: &dyn Progress,
+    ) -> sheer_lab::Result<(Vec<Seeded<Measured>>, Vec<ForeignJudged>)> {
+        let mut truths = truths.iter_mut();
+        let mut groups = self.groups().map(|seeds| {
+            let settings = Settings { seed: seeds[0], ..clip.settings };
+            (Clip { settings, ..*clip }, seeds, truths.next())
+        });
+        let Some((clip, seeds, truth)) = groups.next() else { return Ok(Default::default()) };
+        let (mut all, judged) =
+            clip.play_beside(backend, stage, (methods, seeds), truth, foreign, progress)?;
+        for (clip, seeds, truth) in groups {
+            let (more, _) = clip.play_beside(backend, stage, (methods, seeds), truth, &[], progress)?;
+            for (runs, more) in all.iter_mut().zip(more) {
+                runs.add(more.into_first());
+            }
+        }
+        Ok((all, judged))
+    }
 }
 
 /// What to say of a reference that is not exact: a rasteriser's lists hold so many fragments and no more.

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use sheer_image::{Picture, TextureLimits, read_picture};
-use sheer_lab::{Judged, Judging, LabError, Progress as _, file_name_from, picture_figures};
+use sheer_lab::{Judged, Judging, LabError, Progress as _, Seeded, file_name_from, picture_figures};
 use sheer_metrics::LEAST_VDP_SIDE_PX;
 
 use crate::{
@@ -17,6 +17,7 @@ use crate::{
         page,
         table::Table,
     },
+    setup,
 };
 
 pub(crate) fn run(arguments: &MetricsArguments) -> anyhow::Result<()> {
@@ -53,16 +54,21 @@ pub(crate) fn run(arguments: &MetricsArguments) -> anyhow::Result<()> {
     }
     let bar = console.bar();
     bar.expect(inputs.iter().map(|input| input.frames.len() as u64).sum());
-    let mut judged: Vec<Judged> = Vec::with_capacity(inputs.len());
+    let mut judged: Vec<Seeded<Judged>> = Vec::with_capacity(inputs.len());
     for input in &inputs {
         bar.name(&input.name);
-        judged.push(judging.judge(&input.name, input.frames.len() as u32, |index| {
+        let run = judging.judge(&input.name, input.frames.len() as u32, |index| {
             bar.step();
             let index = index as usize;
             // One reference is the one for all.
             let expected = reference.frames.get(index).unwrap_or(&reference.frames[0]);
             Ok((read(expected)?, read(&input.frames[index])?))
-        })?);
+        })?;
+        // What has the name of another differs in its seed.
+        match judged.iter_mut().find(|runs| input.is_named && runs.first().name == run.name) {
+            Some(runs) => runs.add(run),
+            None => judged.extend(Seeded::of(vec![run])),
+        }
     }
     drop(bar);
 
@@ -78,6 +84,7 @@ pub(crate) fn run(arguments: &MetricsArguments) -> anyhow::Result<()> {
         output::write_file(&folder.join("index.html"), text.as_bytes())?;
         console.note(format_args!("wrote {}", folder.join("index.html").display()));
     }
+    setup::note_certain(&figures, console);
     data_files.write(&figures)?;
     let prints_json = json.as_ref().is_some_and(TextOutput::is_stdout);
     if let Some(json) = json {

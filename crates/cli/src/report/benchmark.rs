@@ -1,8 +1,8 @@
 //! The columns of a benchmark.
 
-use sheer_lab::{Column, Datum, Figures, Name};
+use sheer_lab::{Column, Datum, Figures, Name, Seeded};
 
-use super::json::{Benchmark, BenchmarkRow, Step};
+use super::json::{self, Benchmark, BenchmarkRow, Step};
 
 /// A row and how many pixels a frame has.
 struct Row<'a> {
@@ -16,28 +16,38 @@ const fn column<'a>(
     value: fn(&Row<'a>) -> Option<f64>,
     meaning: &'static str,
 ) -> Column<Row<'a>> {
-    Column { title, meaning, decimals, is_optional: false, value }
+    Column { title, meaning, decimals, is_optional: false, is_time: false, value }
+}
+
+/// The same of what a clock measures.
+const fn timed<'a>(
+    title: &'static str,
+    decimals: usize,
+    value: fn(&Row<'a>) -> Option<f64>,
+    meaning: &'static str,
+) -> Column<Row<'a>> {
+    Column { is_time: true, ..column(title, decimals, value, meaning) }
 }
 
 /// All figures, in the order in which they are shown.
 fn columns<'a>() -> [Column<Row<'a>>; 12] {
     [
-        column(
+        timed(
             "ms",
             2,
             |Row { row, .. }| Some(row.ms_median),
             "Median time of a frame in milliseconds: animation, acceleration structure, tracing and shading. Adding frames up over time is not counted.",
         ),
-        column(
+        timed(
             "spread",
             2,
             |Row { row, .. }| Some(row.ms_spread),
             "Half of the frames lie within so many milliseconds of one another: third less first quartile.",
         ),
-        column("min", 2, |Row { row, .. }| Some(row.ms_min), "Time of the fastest frame, milliseconds."),
-        column("max", 2, |Row { row, .. }| Some(row.ms_max), "Time of the slowest frame, milliseconds."),
-        column("ratio", 3, |Row { row, .. }| Some(row.ratio), "Median time over that of the first method."),
-        column(
+        timed("min", 2, |Row { row, .. }| Some(row.ms_min), "Time of the fastest frame, milliseconds."),
+        timed("max", 2, |Row { row, .. }| Some(row.ms_max), "Time of the slowest frame, milliseconds."),
+        timed("ratio", 3, |Row { row, .. }| Some(row.ratio), "Median time over that of the first method."),
+        timed(
             "build ms",
             2,
             |Row { row, .. }| Some(row.build_ms_median),
@@ -45,7 +55,7 @@ fn columns<'a>() -> [Column<Row<'a>>; 12] {
         ),
         Column {
             is_optional: true,
-            ..column(
+            ..timed(
                 "resolve ms",
                 2,
                 |Row { row, .. }| adds_up(row).then_some(row.resolve_ms_median),
@@ -54,7 +64,7 @@ fn columns<'a>() -> [Column<Row<'a>>; 12] {
         },
         Column {
             is_optional: true,
-            ..column(
+            ..timed(
                 "whole ms",
                 2,
                 |Row { row, .. }| adds_up(row).then_some(row.whole_ms_median),
@@ -63,7 +73,7 @@ fn columns<'a>() -> [Column<Row<'a>>; 12] {
         },
         Column {
             is_optional: true,
-            ..column(
+            ..timed(
                 "whole ratio",
                 3,
                 |Row { row, .. }| adds_up(row).then_some(row.whole_ratio),
@@ -82,7 +92,7 @@ fn columns<'a>() -> [Column<Row<'a>>; 12] {
             |Row { row, pixels }| Some(row.shaded / pixels),
             "Fragments shaded for a pixel of a frame.",
         ),
-        column(
+        timed(
             "Mray/s",
             2,
             |Row { row, .. }| Some(row.mray_per_s),
@@ -96,22 +106,27 @@ fn adds_up(row: &BenchmarkRow) -> bool {
     row.aa != "none"
 }
 
+/// Whether those of any row are.
+fn add_up(report: &Benchmark) -> bool {
+    report.rows.iter().any(|json::Row(runs)| adds_up(runs.first()))
+}
+
 /// Method and, where frames are added up, anti-aliasing.
 pub(crate) fn label(report: &Benchmark, row: &BenchmarkRow) -> String {
-    if report.rows.iter().any(adds_up) { format!("{}, {}", row.method, row.aa) } else { row.method.clone() }
+    if add_up(report) { format!("{}, {}", row.method, row.aa) } else { row.method.clone() }
 }
 
 /// The table.
 pub(crate) fn figures(report: &Benchmark) -> Figures {
     let pixels = report.run.size.map(f64::from).iter().product();
-    let rows: Vec<Row<'_>> = report.rows.iter().map(|row| Row { row, pixels }).collect();
+    let rows: Vec<Seeded<Row<'_>>> =
+        report.rows.iter().map(|json::Row(runs)| runs.map(|row| Row { row, pixels })).collect();
     let names: [Name<Row<'_>>; 2] =
         [("method", |row| row.row.method.clone()), ("aa", |row| row.row.aa.clone())];
-    let names_aa = report.rows.iter().any(adds_up);
-    Figures::new(if names_aa { &names } else { &names[..1] }, &columns(), &rows)
+    Figures::over_seeds(if add_up(report) { &names } else { &names[..1] }, &columns(), &rows)
 }
 
-/// The passes of each method, where the GPU's clock has timed them.
+/// The passes of each method, where the GPU's clock has timed them; those of the first seed.
 pub(crate) fn passes(report: &Benchmark) -> Option<Figures> {
     let row = |row: &BenchmarkRow, step: &Step| {
         let share = step.ms_median / row.steps.iter().map(|step| step.ms_median).sum::<f64>();
@@ -125,6 +140,7 @@ pub(crate) fn passes(report: &Benchmark) -> Option<Figures> {
     let rows: Vec<_> = report
         .rows
         .iter()
+        .map(|json::Row(runs)| runs.first())
         .flat_map(|method| method.steps.iter().map(move |step| row(method, step)))
         .collect();
     (!rows.is_empty()).then(|| Figures::of_data(&["method", "pass", "ms", "share"], rows))

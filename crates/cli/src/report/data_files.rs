@@ -37,7 +37,8 @@ impl<'a> DataFiles<'a> {
     }
 }
 
-/// Comma-separated values (RFC 4180), with all digits that there are; what is missing is empty.
+/// Comma-separated values (RFC 4180), with all digits that there are; what is missing is empty. Half of a 95 %
+/// confidence interval has a column `… ci95` after its mean's.
 fn csv(figures: &Figures) -> String {
     let quoted = |text: &str| {
         if text.contains([',', '"', '\n', '\r']) {
@@ -46,14 +47,23 @@ fn csv(figures: &Figures) -> String {
             text.to_owned()
         }
     };
-    let mut text = figures.titles().map(quoted).collect::<Vec<_>>().join(",") + "\r\n";
-    for row in figures.cells() {
-        let cells = row.enumerate().map(|(column, (cell, value))| match value {
-            Some(value) => value.to_string(),
-            None if figures.is_number(column) => String::new(),
-            None => quoted(cell),
+    // Half of an interval stands beside its mean.
+    let with_interval = |column: usize, cell: String, interval: String| {
+        if figures.has_intervals(column) { vec![cell, interval] } else { vec![cell] }
+    };
+    let line = |cells: Vec<String>| cells.join(",") + "\r\n";
+    let titles = figures.titles().enumerate();
+    let titles =
+        titles.flat_map(|(at, title)| with_interval(at, quoted(title), quoted(&format!("{title} ci95"))));
+    let mut text = line(titles.collect());
+    let digits = |value: Option<f64>| value.map_or(String::new(), |value| value.to_string());
+    for (row, half_widths) in figures.cells().zip(figures.half_widths()) {
+        let cells = row.zip(half_widths).enumerate().flat_map(|(column, ((cell, value), half_width))| {
+            let is_word = value.is_none() && !figures.is_number(column);
+            let cell = if is_word { quoted(cell) } else { digits(value) };
+            with_interval(column, cell, digits(half_width))
         });
-        text += &(cells.collect::<Vec<_>>().join(",") + "\r\n");
+        text += &line(cells.collect());
     }
     text
 }
@@ -69,6 +79,7 @@ fn latex(figures: &Figures) -> String {
                 '~' => escaped.push_str("\\textasciitilde{}"),
                 '^' => escaped.push_str("\\textasciicircum{}"),
                 '–' => escaped.push_str("--"),
+                '±' => escaped.push_str("$\\pm$"),
                 other => escaped.push(other),
             }
         }
@@ -78,7 +89,11 @@ fn latex(figures: &Figures) -> String {
     let count = figures.titles().count();
     let columns: String =
         (0..count).map(|column| if figures.is_number(column) { 'r' } else { 'l' }).collect();
-    let mut text = format!("\\begin{{tabular}}{{{columns}}}\n\\toprule\n");
+    let mut text = String::new();
+    if (0..count).any(|column| figures.has_intervals(column)) {
+        text += "% Means over seeds with half of their 95 % confidence interval (Student's t).\n";
+    }
+    let _ = write!(text, "\\begin{{tabular}}{{{columns}}}\n\\toprule\n");
     text += &line(figures.titles().map(escaped).collect());
     text += "\\midrule\n";
     for row in figures.rows() {
@@ -89,7 +104,7 @@ fn latex(figures: &Figures) -> String {
 
 #[cfg(test)]
 mod tests {
-    use sheer_lab::Datum;
+    use sheer_lab::{Column, Datum, Seeded};
 
     use super::*;
 
@@ -116,5 +131,27 @@ mod tests {
             "\\begin{tabular}{lr}\n\\toprule\nmethod & error \\% \\\\\n\\midrule\n\
              std:hash=pcg,noise=off & 0.12 \\\\\na \"b\"\\_c & -- \\\\\n\\bottomrule\n\\end{tabular}\n"
         );
+    }
+
+    #[test]
+    fn intervals_stand_beside_their_means() {
+        let columns = [Column::<f64> {
+            title: "error %",
+            meaning: "",
+            decimals: 1,
+            is_optional: false,
+            is_time: false,
+            value: |row| Some(*row),
+        }];
+        let rows = [Seeded::of(vec![1.0, 2.0]).unwrap(), Seeded::once_for_all(0.25)];
+        let figures = Figures::over_seeds(&[("method", |row: &f64| format!("of {row}"))], &columns, &rows);
+        let half_width = rows[0].estimate(false, |row| Some(*row)).half_width.unwrap();
+        assert_eq!(
+            csv(&figures),
+            format!("method,seeds,error %,error % ci95\r\nof 1,2,1.5,{half_width}\r\nof 0.25,1,0.25,0\r\n")
+        );
+        let latex = latex(&figures);
+        assert!(latex.starts_with("% Means") && latex.contains("of 1 & 2 & 1.5 $\\pm$6.4 \\\\\n"), "{latex}");
+        assert!(latex.contains("of 0.25 & 1 & 0.2 $\\pm$0 \\\\\n"), "{latex}");
     }
 }

@@ -1,10 +1,11 @@
 //! Machine-readable reports. Names and types are the contract of `report.json` and of what `bench`, `verify`
 //! and `devices` write with `--json`.
 
-use serde::Serialize;
+use serde::{Serialize, Serializer, ser::Error as _};
+use serde_json::{Map, Value};
 use sheer_core::parameter::Choice as _;
 use sheer_image::Tone;
-use sheer_lab::{ComparisonRow, Judged, Tally, verify::Check};
+use sheer_lab::{ComparisonRow, Estimate, Judged, Seeded, Tally, verify::Check};
 use sheer_render::{Antialiasing, Method};
 
 use crate::version::{COMMIT, VERSION};
@@ -44,12 +45,71 @@ pub(crate) struct Run {
     pub(crate) adapter: String,
     /// Seed of the dithering.
     pub(crate) seed: u32,
+    /// How many seeds, from `seed` on, rows are means over; missing where it is one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) seeds: Option<u32>,
     /// Of this program.
     pub(crate) version: &'static str,
     /// Of this program, or `unknown`.
     pub(crate) commit: &'static str,
     /// How many rendered.
     pub(crate) threads: usize,
+}
+
+/// A row of what was measured with one seed or several.
+///
+/// With several, measured numbers are means over them; `seeds` says over how many, and `ci95` has, under the
+/// same names, half of the 95 % confidence interval of each: 0 of what is the same with every seed, null of
+/// what a single run was timed for, or of a mean that there is not. Lists are those of the first seed.
+#[derive(Debug)]
+pub(crate) struct Row<R>(pub(crate) Seeded<R>);
+
+impl<R: Serialize> Serialize for Row<R> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.averaged().map_err(S::Error::custom)?.serialize(serializer)
+    }
+}
+
+/// A row as it is, or its means.
+#[derive(Serialize)]
+#[serde(untagged)]
+enum Averaged<'a, R> {
+    Once(&'a R),
+    Mean(Map<String, Value>),
+}
+
+impl<R: Serialize> Row<R> {
+    /// What names of times begin with, which even a run differs in that stands for all seeds.
+    const TIME_PREFIX: &'static str = "ms_";
+
+    fn averaged(&self) -> serde_json::Result<Averaged<'_, R>> {
+        let Self(runs) = self;
+        if runs.count() == 1 && !runs.is_once_for_all() {
+            return Ok(Averaged::Once(runs.first()));
+        }
+        let fields = |run: &R| match serde_json::to_value(run) {
+            Ok(Value::Object(fields)) => Ok(fields),
+            Ok(other) => Err(serde_json::Error::custom(format_args!("a row is an object, not {other}"))),
+            Err(error) => Err(error),
+        };
+        let fields = runs.try_map(fields)?;
+        let mut means = fields.first().clone();
+        let mut intervals = Map::new();
+        for (name, mean) in &mut means {
+            // Numbers of frames are no figures.
+            if !fields.runs().any(|fields| fields.get(name).is_some_and(Value::is_f64)) {
+                continue;
+            }
+            let figure = |fields: &Map<String, Value>| fields.get(name)?.as_f64();
+            let estimate = fields.estimate(name.starts_with(Self::TIME_PREFIX), figure);
+            let Estimate { mean: value, half_width } = estimate;
+            *mean = value.into();
+            intervals.insert(name.clone(), half_width.into());
+        }
+        means.insert("seeds".to_owned(), fields.count().into());
+        means.insert("ci95".to_owned(), intervals.into());
+        Ok(Averaged::Mean(means))
+    }
 }
 
 /// What `sheer metrics` writes with `--json`.
@@ -67,7 +127,7 @@ pub(crate) struct JudgedPictures<'a> {
     version: &'static str,
     /// Of this program, or `unknown`.
     commit: &'static str,
-    rows: Vec<JudgedRow<'a>>,
+    rows: Vec<Row<JudgedRow<'a>>>,
 }
 
 /// A picture or a clip in comparison with the reference; names and units as in [`ComparisonRow`].
@@ -88,7 +148,7 @@ struct JudgedRow<'a> {
 }
 
 impl<'a> JudgedPictures<'a> {
-    pub(crate) fn new(reference: &'a str, size: [u32; 2], tone: &Tone, judged: &'a [Judged]) -> Self {
+    pub(crate) fn new(reference: &'a str, size: [u32; 2], tone: &Tone, judged: &'a [Seeded<Judged>]) -> Self {
         let row = |judged: &'a Judged| {
             let Judged { frames, ssim, psnr_db, tpsnr_db, vdp_jod, flip, flicker, bias, rms, .. } = *judged;
             let picture = &judged.name;
@@ -101,7 +161,7 @@ impl<'a> JudgedPictures<'a> {
             exposure_ev: tone.exposure_ev,
             version: VERSION,
             commit: COMMIT,
-            rows: judged.iter().map(row).collect(),
+            rows: judged.iter().map(|judged| Row(judged.map(row))).collect(),
         }
     }
 }
@@ -115,7 +175,7 @@ pub(crate) struct Comparison {
     pub(crate) reference: String,
     /// One for each method under each anti-aliasing against each reference, `baseline` among them; after them
     /// one for the pictures of each other program, likewise.
-    pub(crate) rows: Vec<ComparisonRow>,
+    pub(crate) rows: Vec<Row<ComparisonRow>>,
 }
 
 /// `sheer bench --json`.
@@ -123,7 +183,7 @@ pub(crate) struct Comparison {
 pub(crate) struct Benchmark {
     #[serde(flatten)]
     pub(crate) run: Run,
-    pub(crate) rows: Vec<BenchmarkRow>,
+    pub(crate) rows: Vec<Row<BenchmarkRow>>,
 }
 
 /// What a method costs.
@@ -162,7 +222,7 @@ pub(crate) struct BenchmarkRow {
 }
 
 impl BenchmarkRow {
-    /// What the frames of a method cost, beside those of the first one.
+    /// What the frames of a method cost, beside those of the first one with the same seed.
     pub(crate) fn new(method: &Method, antialiasing: Antialiasing, tally: &Tally, first: &Tally) -> Self {
         Self {
             method: method.to_string(),
@@ -239,4 +299,51 @@ pub(crate) struct Verification {
 /// A report as text with a final line break.
 pub(crate) fn text(report: &impl Serialize) -> anyhow::Result<String> {
     Ok(serde_json::to_string_pretty(report)? + "\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[derive(Serialize)]
+    struct Figures {
+        name: &'static str,
+        ms_median: f64,
+        error: Option<f64>,
+        frames: u32,
+        ms: Vec<f64>,
+    }
+
+    fn figures(ms_median: f64, error: Option<f64>) -> Figures {
+        Figures { name: "std", ms_median, error, frames: 4, ms: vec![ms_median] }
+    }
+
+    fn json(runs: Seeded<Figures>) -> String {
+        serde_json::to_string(&Row(runs)).unwrap()
+    }
+
+    #[test]
+    fn rows_of_one_seed_are_as_they_were() {
+        let once = Seeded::of(vec![figures(2.0, Some(0.5))]).unwrap();
+        assert_eq!(json(once), r#"{"name":"std","ms_median":2.0,"error":0.5,"frames":4,"ms":[2.0]}"#);
+    }
+
+    #[test]
+    fn rows_of_several_seeds_have_means_and_intervals_under_the_same_names() {
+        let value = |runs| serde_json::from_str::<Value>(&json(runs)).unwrap();
+        let two = value(Seeded::of(vec![figures(2.0, Some(0.5)), figures(2.0, Some(1.5))]).unwrap());
+        assert_eq!((&two["ms_median"], &two["error"]), (&2.0.into(), &1.0.into()));
+        assert_eq!((&two["name"], &two["frames"], &two["seeds"]), (&"std".into(), &4.into(), &2.into()));
+        assert_eq!((&two["ms"][0], &two["ci95"]["ms_median"]), (&2.0.into(), &0.0.into()));
+        // Student's t of one degree of freedom times half the difference.
+        let expected = (0.475 * std::f64::consts::PI).tan() * 0.5;
+        assert!((two["ci95"]["error"].as_f64().unwrap() - expected).abs() < 1e-6, "{two}");
+        assert!(two["ci95"].get("frames").is_none() && two["ci95"].get("ms").is_none(), "{two}");
+
+        let missing = value(Seeded::of(vec![figures(2.0, None), figures(3.0, Some(1.5))]).unwrap());
+        assert!(missing["error"].is_null() && missing["ci95"]["error"].is_null(), "{missing}");
+        let once = value(Seeded::once_for_all(figures(2.0, Some(0.5))));
+        assert_eq!((&once["seeds"], &once["ci95"]["error"]), (&1.into(), &0.0.into()));
+        assert!(once["ci95"]["ms_median"].is_null() && once["ms_median"] == 2.0, "{once}");
+    }
 }

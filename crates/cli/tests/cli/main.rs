@@ -22,6 +22,7 @@ mod page;
 mod pieces;
 mod render;
 mod run;
+mod seeds;
 mod sequence;
 mod usage;
 mod verify;

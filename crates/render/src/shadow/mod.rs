@@ -111,6 +111,12 @@ pub struct Shadow {
 }
 
 impl Shadow {
+    /// Whether what light arrives hangs on the seed of a run, even where methods are exact.
+    #[must_use]
+    pub fn is_random(&self) -> bool {
+        self.technique().is_random()
+    }
+
     /// The value of one of its keys, as it would be typed; None if it has no such key.
     #[must_use]
     pub fn value(&self, key: &str) -> Option<String> {

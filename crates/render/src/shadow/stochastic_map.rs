@@ -90,6 +90,10 @@ impl Technique for StochasticMap {
         self.resolution
     }
 
+    fn is_random(&self) -> bool {
+        true
+    }
+
     fn texel_bytes(&self, channels: usize) -> usize {
         self.stride(channels) * size_of::<f32>()
     }

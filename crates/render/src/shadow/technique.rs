@@ -41,6 +41,11 @@ pub(super) trait Technique: Sync {
     /// Texels a side of its maps; 0 if it makes none.
     fn resolution(&self) -> u32;
 
+    /// Whether its maps are drawn by chance, each seed another.
+    fn is_random(&self) -> bool {
+        false
+    }
+
     /// Bytes that a texel takes at least, for a number of colour channels.
     fn texel_bytes(&self, channels: usize) -> usize;
 

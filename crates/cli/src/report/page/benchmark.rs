@@ -10,7 +10,7 @@ use super::fill;
 use crate::report::{
     benchmark::{figures, label, passes},
     chart::Chart,
-    json::{Benchmark, Run},
+    json::{Benchmark, BenchmarkRow, Row, Run},
 };
 
 #[derive(Serialize)]
@@ -23,8 +23,9 @@ struct Context<'a> {
 
 /// The page as text.
 pub(crate) fn text(report: &Benchmark) -> anyhow::Result<String> {
-    let names: Vec<String> = report.rows.iter().map(|row| label(report, row)).collect();
-    let lines = names.iter().zip(&report.rows).map(|(name, row)| (name.as_str(), row.ms.as_slice()));
+    let rows: Vec<&BenchmarkRow> = report.rows.iter().map(|Row(runs)| runs.first()).collect();
+    let names: Vec<String> = rows.iter().map(|row| label(report, row)).collect();
+    let lines = names.iter().zip(&rows).map(|(name, row)| (name.as_str(), row.ms.as_slice()));
     let time = time_chart(report.run.first_frame, lines);
     fill(
         "benchmark.html",
@@ -52,7 +53,9 @@ mod tests {
         super::tests::{assert_sound, run_of},
         *,
     };
-    use crate::report::json::{BenchmarkRow, Step};
+    use sheer_lab::Seeded;
+
+    use crate::report::json::Step;
 
     #[test]
     fn the_page_needs_nothing_but_itself() {
@@ -75,11 +78,16 @@ mod tests {
             mray_per_s: 1.0,
             steps: Vec::new(),
         };
+        let once = |row: BenchmarkRow| Row(Seeded::of(vec![row]).unwrap());
         assert_sound(|scene| {
-            text(&Benchmark { run: run_of(scene), rows: vec![row("std"), row("roulette")] }).unwrap()
+            let rows = ["std", "roulette"].map(|method| once(row(method))).into();
+            text(&Benchmark { run: run_of(scene), rows }).unwrap()
         });
         let timed = BenchmarkRow { steps: vec![Step { name: "trace", ms_median: 0.625 }], ..row("std") };
         let page = |row| text(&Benchmark { run: run_of("layers"), rows: vec![row] }).unwrap();
-        assert!(page(timed).contains("0.625") && !page(row("std")).contains("Passes"));
+        assert!(page(once(timed)).contains("0.625") && !page(once(row("std"))).contains("Passes"));
+        let two = Row(Seeded::of(vec![row("std"), BenchmarkRow { shaded: 64.0, ..row("std") }]).unwrap());
+        // 32 pixels: 1 and 2 a pixel.
+        assert!(page(two).contains("1.50 ±6.35"), "there is no interval");
     }
 }

@@ -3,7 +3,7 @@
 use serde::Serialize;
 use sheer_image::{Image, Metadata, encode_png};
 use sheer_lab::{
-    Figures, ForeignJudged, Measured, Reference, figures,
+    Figures, ForeignJudged, Measured, Reference, Seeded, figures,
     plot::{Axis, Plot, Series},
 };
 use sheer_render::{Antialiasing, contract::MethodInfo};
@@ -21,9 +21,9 @@ use crate::report::{
 /// A method with its pictures.
 #[derive(Debug)]
 pub(crate) struct Entry {
-    /// What came of it.
-    pub(crate) measured: Measured,
-    /// Its last frame as PNG.
+    /// What came of it with each seed.
+    pub(crate) runs: Seeded<Measured>,
+    /// Its last frame with the first seed as PNG.
     pub(crate) picture_png: Vec<u8>,
     /// Its error map as PNG, against the truth where it is asked for; the reference has none.
     pub(crate) error_png: Option<Vec<u8>>,
@@ -79,19 +79,25 @@ impl Entry {
     ///
     /// # Errors
     /// There is no memory for them.
-    pub(crate) fn new(measured: Measured) -> anyhow::Result<Self> {
+    pub(crate) fn new(runs: Seeded<Measured>) -> anyhow::Result<Self> {
         let png = |image: &Image<[u8; 4]>| encode_png(image, &Metadata::default());
+        let measured = runs.first();
         let error_map = match &measured.against_truth {
             Some(truth) => Some(&truth.error_map),
             None => measured.error_map.as_ref(),
         };
         let error_png = error_map.map(png).transpose()?;
-        Ok(Self { picture_png: png(&measured.picture)?, error_png, measured })
+        Ok(Self { picture_png: png(&measured.picture)?, error_png, runs })
+    }
+
+    /// What came of it with the first seed: method, anti-aliasing and pictures are those of all.
+    pub(crate) fn first(&self) -> &Measured {
+        self.runs.first()
     }
 
     /// Its anti-aliasing as it was asked for.
     fn aa(&self) -> String {
-        self.measured.antialiasing.to_string()
+        self.first().antialiasing.to_string()
     }
 }
 
@@ -160,8 +166,7 @@ struct Charts {
 /// If the template is broken, which the tests would have found.
 pub(crate) fn text(page: &Page<'_>) -> anyhow::Result<String> {
     let has_several_aa = antialiasings(page).len() > 1;
-    let mut figures =
-        figures(page.entries.iter().map(|entry| &entry.measured), has_several_aa, page.references);
+    let mut figures = figures(page.entries.iter().map(|entry| &entry.runs), has_several_aa, page.references);
     figures.add_foreign(page.foreign.iter().map(|entry| &entry.judged), has_several_aa);
     let context = Context {
         run: &page.report.run,
@@ -194,7 +199,7 @@ fn cards(page: &Page<'_>, has_several_aa: bool) -> Vec<Card> {
     let label =
         |name: &str, aa: &str| if has_several_aa { format!("{name} · {aa}") } else { name.to_owned() };
     let card = |(index, entry): (usize, &Entry)| {
-        let (method, aa) = (entry.measured.method.to_string(), entry.aa());
+        let (method, aa) = (entry.first().method.to_string(), entry.aa());
         Card {
             id: format!("picture-{index}"),
             label: label(&method, &aa),
@@ -235,13 +240,14 @@ fn antialiasings(page: &Page<'_>) -> Vec<String> {
 }
 
 fn charts(page: &Page<'_>, aa: String) -> Charts {
-    let all: Vec<&Measured> =
-        page.entries.iter().filter(|entry| entry.aa() == aa).map(|entry| &entry.measured).collect();
-    let names: Vec<String> = all.iter().map(|measured| measured.method.to_string()).collect();
-    let lines = names.iter().zip(&all).map(|(name, measured)| (name.as_str(), measured.frame_ms.as_slice()));
+    let all: Vec<&Seeded<Measured>> =
+        page.entries.iter().filter(|entry| entry.aa() == aa).map(|entry| &entry.runs).collect();
+    let names: Vec<String> = all.iter().map(|runs| runs.first().method.to_string()).collect();
+    let lines = names.iter().zip(&all).map(|(name, runs)| (name.as_str(), runs.first().frame_ms.as_slice()));
     let quality = |title: &str, value: fn(&Measured) -> Option<f64>| {
-        let dots = |(name, measured): (&String, &&Measured)| {
-            Series::dots(name, value(measured).map(|quality| [measured.ms_median, quality]))
+        let dots = |(name, runs): (&String, &&Seeded<Measured>)| {
+            let ms_median = runs.mean(|measured| Some(measured.ms_median));
+            Series::dots(name, ms_median.zip(runs.mean(value)).map(|(ms, quality)| [ms, quality]))
         };
         let plot = Plot {
             description: format!("{title} over milliseconds of a frame, one point for each method"),
@@ -278,7 +284,7 @@ fn foreign_sources<'a>(page: &Page<'a>) -> Vec<ForeignSource<'a>> {
 fn explanations(page: &Page<'_>) -> Vec<Explanation> {
     let mut explanations: Vec<Explanation> = Vec::new();
     for MethodInfo { id, title, paper, bias, .. } in
-        page.entries.iter().map(|entry| entry.measured.method.info())
+        page.entries.iter().map(|entry| entry.first().method.info())
     {
         if !explanations.iter().any(|known| known.id == *id) {
             explanations.push(Explanation { id, title, paper, bias });
@@ -342,7 +348,7 @@ mod tests {
             error_map: None,
         };
         let entry = |method: &str, error_png| Entry {
-            measured: measured(method),
+            runs: Seeded::of(vec![measured(method)]).unwrap(),
             picture_png: b"png".to_vec(),
             error_png,
         };

@@ -91,6 +91,7 @@ mod tests {
             backend: "cpu",
             adapter: "a processor".to_owned(),
             seed: 0,
+            seeds: None,
             version: "0",
             commit: "c0ffee",
             threads: 1,

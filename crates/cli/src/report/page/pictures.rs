@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 use sheer_image::{Image, Metadata, Picture, Tone, display, encode_png};
-use sheer_lab::{ERROR_FULL_SCALE, Figures, Judged, picture_figures};
+use sheer_lab::{ERROR_FULL_SCALE, Figures, Judged, Seeded, picture_figures};
 
 use super::{
     data_uri, fill,
@@ -14,8 +14,8 @@ use crate::report::json::JudgedPictures;
 #[derive(Debug)]
 pub(crate) struct Page<'a> {
     reference: (&'a str, Vec<u8>),
-    judged: &'a [Judged],
-    /// Picture and error map of each.
+    judged: &'a [Seeded<Judged>],
+    /// Picture and error map of each, with its first seed.
     pngs: Vec<[Vec<u8>; 2]>,
 }
 
@@ -38,21 +38,22 @@ impl<'a> Page<'a> {
         name: &'a str,
         reference: &Picture,
         tone: Tone,
-        judged: &'a [Judged],
+        judged: &'a [Seeded<Judged>],
     ) -> anyhow::Result<Self> {
         let png = |image: &Image<[u8; 4]>| encode_png(image, &Metadata::default());
         let both = |judged: &Judged| Ok([png(&judged.picture)?, png(&judged.error_map)?]);
         Ok(Self {
             reference: (name, png(&display(&reference.colour, tone, &reference.share))?),
             judged,
-            pngs: judged.iter().map(both).collect::<anyhow::Result<_>>()?,
+            pngs: judged.iter().map(Seeded::first).map(both).collect::<anyhow::Result<_>>()?,
         })
     }
 
     /// The pictures with what they are called.
     pub(crate) fn files(&self) -> impl Iterator<Item = (String, &[u8])> {
         let (name, png) = &self.reference;
-        let of_judged = self.judged.iter().zip(&self.pngs).flat_map(|(judged, [picture, error])| {
+        let judged = self.judged.iter().map(Seeded::first);
+        let of_judged = judged.zip(&self.pngs).flat_map(|(judged, [picture, error])| {
             [(judged.name.clone(), picture.as_slice()), (format!("{}-error", judged.name), error.as_slice())]
         });
         std::iter::once((format!("reference-{name}"), png.as_slice())).chain(of_judged)
@@ -77,7 +78,7 @@ impl<'a> Page<'a> {
             (1..)
                 .zip(self.judged)
                 .zip(&self.pngs)
-                .map(|((id, judged), [picture, error])| card(id, &judged.name, picture, Some(error))),
+                .map(|((id, judged), [picture, error])| card(id, &judged.first().name, picture, Some(error))),
         );
         fill(
             "pictures.html",
