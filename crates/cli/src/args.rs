@@ -180,7 +180,8 @@ pub(crate) struct RenderArguments {
 #[derive(Args, Debug)]
 pub(crate) struct MergeArguments {
     /// The pieces of one picture, .exr files of `sheer render --crop X,Y,W,H` or `--sample-range A..B`, or of
-    /// both, in any order: crops must cover the picture, sample ranges make up all samples.
+    /// both, in any order: crops must cover the picture, sample ranges make up all samples. With `####` or
+    /// `%04d` in the names, and in that of the output, the frames of sequences are put together one by one.
     #[arg(value_name = "PIECE", required = true)]
     pub(crate) pieces: Vec<PathBuf>,
     /// .exr or .png, as for `sheer render`: the picture that it would have rendered whole, crops to the bit,

@@ -1,6 +1,7 @@
 //! Pictures that others made: one file, the pictures of a folder, or numbered files.
 
 use std::{
+    collections::BTreeSet,
     fs,
     ops::Range,
     path::{Path, PathBuf},
@@ -8,7 +9,7 @@ use std::{
 
 use anyhow::{Context as _, bail};
 
-use crate::{args::NamedPattern, output::PictureOutput};
+use crate::{args::NamedPattern, failure::Misuse, output::PictureOutput};
 
 /// Endings of pictures; what is inside is told by the bytes.
 const ENDINGS: [&str; 6] = ["png", "exr", "jpg", "jpeg", "hdr", "webp"];
@@ -103,23 +104,88 @@ fn frames(path: &Path) -> anyhow::Result<Vec<PathBuf>> {
         files.sort();
         return Ok(files);
     }
-    let PictureOutput::Sequence { before, digits, after } = PictureOutput::from_path(path) else {
+    let pattern = PictureOutput::from_path(path);
+    if !matches!(pattern, PictureOutput::Sequence { .. }) {
         bail!("{}: there is no such file or folder", path.display());
-    };
-    let (folder, start) = before.rsplit_once('/').unwrap_or((".", &before));
+    }
+    Ok(numbered(&pattern)?.into_iter().map(|(_, file)| file).collect())
+}
+
+/// The files of a pattern that there are with their numbers, in order; none for what is no pattern.
+fn numbered(pattern: &PictureOutput) -> anyhow::Result<Vec<(u32, PathBuf)>> {
+    let PictureOutput::Sequence { before, digits, after } = pattern else { return Ok(Vec::new()) };
+    let (folder, start) = before.rsplit_once('/').unwrap_or((".", before));
     let folder = if before.starts_with('/') && folder.is_empty() { "/" } else { folder };
     let mut numbered: Vec<(u32, PathBuf)> = Vec::new();
     for file in listed(Path::new(folder))? {
         let name = file.file_name().and_then(|name| name.to_str()).unwrap_or_default();
         let number = name.strip_prefix(start).and_then(|rest| rest.strip_suffix(after.as_str()));
         let number = number
-            .filter(|number| number.len() >= digits && number.bytes().all(|digit| digit.is_ascii_digit()));
+            .filter(|number| number.len() >= *digits && number.bytes().all(|digit| digit.is_ascii_digit()));
         if let Some(number) = number.and_then(|number| number.parse().ok()) {
             numbered.push((number, file));
         }
     }
     numbered.sort();
-    Ok(numbered.into_iter().map(|(_, file)| file).collect())
+    Ok(numbered)
+}
+
+/// The pieces of the frames of a sequence.
+#[derive(Debug)]
+pub(crate) struct FramePieces {
+    /// The number of the first frame.
+    pub(crate) first: u32,
+    /// The pieces of each frame, in the order in which they were given; at least one.
+    pub(crate) frames: Vec<Vec<PathBuf>>,
+}
+
+impl FramePieces {
+    /// Finds the files of patterns with `####` or `%04d`, of which all have the same frames without a gap;
+    /// nothing where the names are those of files.
+    pub(crate) fn find(pieces: &[PathBuf]) -> anyhow::Result<Option<Self>> {
+        let pattern = |path: &PathBuf| match PictureOutput::from_path(path) {
+            sequence @ PictureOutput::Sequence { .. } if !path.exists() => Some(sequence),
+            _ => None,
+        };
+        let patterns: Vec<Option<PictureOutput>> = pieces.iter().map(pattern).collect();
+        let single = patterns.iter().position(Option::is_none);
+        let numbered_at = patterns.iter().position(Option::is_some);
+        match (single, numbered_at) {
+            (_, None) => return Ok(None),
+            (Some(single), Some(numbered)) => {
+                let problem = format!(
+                    "{} is one file and {} numbered ones: give the pieces of one picture, or those of a sequence, all with #### for the number",
+                    pieces[single].display(),
+                    pieces[numbered].display()
+                );
+                return Err(Misuse(problem).into());
+            }
+            (None, Some(_)) => {}
+        }
+        // Of each pattern the frames that it would name itself.
+        let mut numbers: BTreeSet<u32> = BTreeSet::new();
+        for (pattern, path) in patterns.iter().flatten().zip(pieces) {
+            let found = numbered(pattern)?.into_iter().map(|(number, _)| number);
+            let found: Vec<u32> = found.filter(|&number| pattern.path(number).is_file()).collect();
+            if found.is_empty() {
+                bail!("{}: there is no such file", path.display());
+            }
+            numbers.extend(found);
+        }
+        let (Some(&first), Some(&last)) = (numbers.first(), numbers.last()) else { return Ok(None) };
+        let mut frames = Vec::with_capacity(numbers.len());
+        for number in first..=last {
+            let files: Vec<PathBuf> = patterns.iter().flatten().map(|pattern| pattern.path(number)).collect();
+            if let Some(missing) = files.iter().find(|file| !file.is_file()) {
+                bail!(
+                    "{} is missing: the pieces have frames from {first} to {last}, and every one is needed of each",
+                    missing.display()
+                );
+            }
+            frames.push(files);
+        }
+        Ok(Some(Self { first, frames }))
+    }
 }
 
 fn listed(folder: &Path) -> anyhow::Result<Vec<PathBuf>> {

@@ -22,7 +22,7 @@ mod whole_file;
 pub use decode::{TextureLimits, decode_texture, texture_size};
 pub use error::ImageError;
 pub use exr_file::{decode_exr, encode_exr, read_exr, write_exr};
-pub use merge::{MergeError, Merged, merge};
+pub use merge::{MergeError, Merged, check_frames, merge};
 pub use metadata::Metadata;
 pub use output::{FileFormat, check_writable, write_frame};
 pub use panorama::{decode_panorama, read_panorama};

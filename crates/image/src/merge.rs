@@ -78,6 +78,16 @@ pub enum MergeError {
         /// What both have.
         samples: Range<u32>,
     },
+    /// A frame of a sequence whose number does not follow from those before it.
+    #[error("{} does not belong there: it is frame {found}, and after those before it comes {expected}", path.display())]
+    OutOfOrder {
+        /// A piece of the frame.
+        path: PathBuf,
+        /// What it says of its number.
+        found: String,
+        /// The number that it should have.
+        expected: u64,
+    },
     /// No piece has some of the pixels.
     #[error("no piece has the pixels {region} of the picture of {}x{}: render them with --crop {region}", picture[0], picture[1])]
     Gap {
@@ -115,12 +125,9 @@ pub struct Merged {
 /// # Errors
 /// [`MergeError`] names the pieces that do not belong together, and what is missing.
 pub fn merge(paths: &[PathBuf], limits: TextureLimits) -> Result<Merged, MergeError> {
-    let pieces = paths.iter().map(|path| Header::read(path, limits)).collect::<Result<Vec<_>, _>>()?;
-    let first = pieces.first().ok_or(MergeError::Nothing)?;
-    pieces.iter().try_for_each(|piece| piece.belongs_to(first))?;
+    let pieces = Header::read_all(paths, limits)?;
+    let (first, groups) = sorted(&pieces)?;
     let picture = first.piece.picture;
-    let groups = regions(&pieces, picture)?;
-
     let mut whole: Option<(Planes, DisplayShare)> = None;
     for Group { region, members } in groups {
         let (part, part_share) = mean(&members, limits)?;
@@ -151,6 +158,32 @@ pub fn merge(paths: &[PathBuf], limits: TextureLimits) -> Result<Merged, MergeEr
     Ok(Merged { planes, share, metadata })
 }
 
+/// Finds out whether the pieces of each frame of a sequence make a picture, and whether these belong to one
+/// another: made in the same way, of frames that follow one another. No pixel is decoded.
+///
+/// # Errors
+/// [`MergeError`] names the piece that does not belong to the others, and what is missing.
+pub fn check_frames(frames: &[Vec<PathBuf>], limits: TextureLimits) -> Result<(), MergeError> {
+    let mut first: Option<Header<'_>> = None;
+    for (index, paths) in (0..).zip(frames) {
+        let mut pieces = Header::read_all(paths, limits)?;
+        sorted(&pieces)?;
+        let piece = pieces.swap_remove(0);
+        match &first {
+            Some(first) => piece.follows(first, index)?,
+            None => first = Some(piece),
+        }
+    }
+    Ok(())
+}
+
+/// The pieces of a picture by their regions, and the one that all others are held against.
+fn sorted<'p, 'a>(pieces: &'p [Header<'a>]) -> Result<(&'p Header<'a>, Vec<Group<'p>>), MergeError> {
+    let first = pieces.first().ok_or(MergeError::Nothing)?;
+    pieces.iter().try_for_each(|piece| piece.belongs_to(first))?;
+    Ok((first, regions(pieces, first.piece.picture)?))
+}
+
 /// What a file says of itself before its pixels are decoded.
 struct Header<'a> {
     path: &'a Path,
@@ -164,6 +197,16 @@ impl<'a> Header<'a> {
     const OWN_KEYS: [&'static str; 4] = [Piece::CROP, Piece::SAMPLE_RANGE, "scene", "environment"];
     /// The key that is looked at first: all else of another scene may be the same.
     const SCENE_HASH: &'static str = "scene_hash";
+    /// The number of a frame.
+    const FRAME: &'static str = "frame";
+    /// Keys in which the frames of a sequence differ: when they are, from where they are seen, and what has
+    /// been added up to them.
+    const FRAME_KEYS: [&'static str; 7] =
+        [Self::FRAME, "time_secs", "pose", "history", "samples", "jitter.X", "jitter.Y"];
+
+    fn read_all(paths: &'a [PathBuf], limits: TextureLimits) -> Result<Vec<Self>, MergeError> {
+        paths.iter().map(|path| Self::read(path, limits)).collect()
+    }
 
     fn read(path: &'a Path, limits: TextureLimits) -> Result<Self, MergeError> {
         let no_piece = |problem: String| MergeError::NoPiece { path: path.to_owned(), problem };
@@ -181,21 +224,45 @@ impl<'a> Header<'a> {
         Ok(Self { path, piece, metadata })
     }
 
+    /// Whether it is a piece of the same picture.
     fn belongs_to(&self, first: &Self) -> Result<(), MergeError> {
+        self.agrees_with(first, &[])
+    }
+
+    /// Whether it is a piece of the frame that comes so many after the other's.
+    fn follows(&self, first: &Self, frames: u64) -> Result<(), MergeError> {
+        self.agrees_with(first, &Self::FRAME_KEYS)?;
+        let number = |header: &Self| header.metadata.get(Self::FRAME)?.parse::<u64>().ok();
+        match number(first).map(|first| first + frames) {
+            Some(expected) if number(self) != Some(expected) => {
+                let found = self.said(Self::FRAME);
+                Err(MergeError::OutOfOrder { path: self.path.to_owned(), found, expected })
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Whether it was made as another was, but for what these keys tell.
+    fn agrees_with(&self, first: &Self, but_for: &[&str]) -> Result<(), MergeError> {
         let keys = self.metadata.entries().chain(first.metadata.entries()).map(|(key, _)| key);
-        let keys: BTreeSet<&str> = keys.filter(|key| !Self::OWN_KEYS.contains(key)).collect();
+        let is_common = |key: &&str| !Self::OWN_KEYS.contains(key) && !but_for.contains(key);
+        let keys: BTreeSet<&str> = keys.filter(is_common).collect();
         let differing = |key: &&str| self.metadata.get(key) != first.metadata.get(key);
         let Some(key) = [Self::SCENE_HASH].into_iter().chain(keys).find(differing) else {
             return Ok(());
         };
-        let said = |header: &Self| header.metadata.get(key).unwrap_or("not told").to_owned();
         Err(MergeError::Foreign {
             path: self.path.to_owned(),
             first: first.path.to_owned(),
             key: key.to_owned(),
-            found: said(self),
-            expected: said(first),
+            found: self.said(key),
+            expected: first.said(key),
         })
+    }
+
+    /// What it says under a key.
+    fn said(&self, key: &str) -> String {
+        self.metadata.get(key).unwrap_or("not told").to_owned()
     }
 
     /// Its samples, and how many there are in all; it has all of them if it does not say.
@@ -484,6 +551,43 @@ mod tests {
         assert_eq!(first_gap(&frame, [10, 10]), region(3, 2, 4, 6));
         assert_eq!(first_gap(&[], [10, 10]), Region::whole([10, 10]));
         assert_eq!(first_gap(&[region(0, 0, 10, 9)], [10, 10]), region(0, 9, 10, 1));
+    }
+
+    #[test]
+    fn frames_of_a_sequence_belong_together_and_follow_one_another() {
+        let folder = Folder::new();
+        let [left, right] = [region(0, 0, 6, 7), region(6, 0, 6, 7)];
+        let frame_of = |number: u32, seed: u32| {
+            let said = metadata().with("frame", number).with("time_secs", 0.5 * number as f32);
+            let said = said.with("seed", seed);
+            [left, right].map(|region| {
+                let piece = Piece { region, ..Piece::whole(SIZE) };
+                folder.write(&format!("{region}-{number}-{seed}.exr"), &frame(1.0), piece, &said)
+            })
+        };
+        let [a, b, c, other] = [(4, 0), (5, 0), (6, 0), (6, 1)].map(|(number, seed)| frame_of(number, seed));
+        let check = |frames: &[&[PathBuf; 2]]| {
+            let frames: Vec<Vec<PathBuf>> = frames.iter().map(|frame| frame.to_vec()).collect();
+            check_frames(&frames, TextureLimits::default())
+                .map_err(|error| error.to_string().replace(&format!("{}/", folder.0.path().display()), ""))
+        };
+        assert_eq!(check(&[&a, &b, &c]), Ok(()));
+        let message = check(&[&a, &c]).unwrap_err();
+        assert!(message.starts_with("0,0,6,7-6-0.exr does not belong there: it is frame 6"), "{message}");
+        assert!(message.ends_with("comes 5"), "{message}");
+        let message = check(&[&a, &b, &other]).unwrap_err();
+        assert!(
+            message.starts_with("0,0,6,7-6-1.exr does not belong to 0,0,6,7-4-0.exr: its seed is 1"),
+            "{message}"
+        );
+        let mixed = [b[0].clone(), c[1].clone()];
+        let message = check(&[&a, &mixed]).unwrap_err();
+        assert!(
+            message.contains("6,0,6,7-6-0.exr does not belong to 0,0,6,7-5-0.exr: its frame"),
+            "{message}"
+        );
+        let half = [b[0].clone(), b[0].clone()];
+        assert!(check(&[&a, &half]).unwrap_err().contains("no piece has the pixels 6,0,6,7"));
     }
 
     #[test]

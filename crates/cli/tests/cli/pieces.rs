@@ -216,6 +216,91 @@ fn pieces_that_do_not_belong_together_are_refused() {
 }
 
 #[test]
+fn pieces_of_sequences_are_put_together_frame_by_frame() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let clip = "render arena --time 6 -m std -a none --size 24x14 --frames 9..12";
+    for (name, more) in [
+        ("whole", ""),
+        ("left", "--crop 0,0,10,14"),
+        ("right", "--crop 10,0,14,14"),
+        ("seed", "--crop 10,0,14,14 --seed 1"),
+    ] {
+        succeed(folder, &format!("{clip} {more} -o {name}-####.exr"));
+    }
+    let early = clip.replace("9..12", "8..11");
+    succeed(folder, &format!("{early} --crop 10,0,14,14 -o early-####.exr"));
+    let outcome = succeed(folder, "merge right-####.exr left-%04d.exr -o all/####.exr --progress json");
+    assert!(outcome.stderr.contains("wrote all/####.exr: 24x14, 3 frames of 2 pieces"), "{outcome:?}");
+    assert!(outcome.stdout.ends_with("{\"percent\":100,\"done\":3,\"expected\":3}\n"), "{outcome:?}");
+    assert_eq!(names_in(&folder.join("all")), ["0009.exr", "0010.exr", "0011.exr"]);
+    for frame in ["0009", "0010", "0011"] {
+        let [merged, whole] = ["all/", "whole-"].map(|name| bytes(folder, &format!("{name}{frame}.exr")));
+        assert_eq!(merged, whole, "frame {frame}");
+    }
+
+    // Another frame under a number of the sequence, and one frame of another seed.
+    fs::create_dir(folder.join("wrong")).unwrap();
+    for (from, to) in [
+        ("right-0009.exr", "order-0009.exr"),
+        ("right-0011.exr", "order-0010.exr"),
+        ("right-0010.exr", "order-0011.exr"),
+        ("right-0009.exr", "mixed-0009.exr"),
+        ("seed-0010.exr", "mixed-0010.exr"),
+        ("right-0011.exr", "mixed-0011.exr"),
+        ("right-0009.exr", "gap-0009.exr"),
+        ("right-0011.exr", "gap-0011.exr"),
+    ] {
+        fs::copy(folder.join(from), folder.join("wrong").join(to)).unwrap();
+    }
+    for (arguments, code, said) in [
+        (
+            "left-####.exr early-####.exr -o no-####.exr",
+            1,
+            "left-0008.exr is missing: the pieces have frames from 8 to 11",
+        ),
+        ("left-####.exr wrong/gap-####.exr -o no-####.exr", 1, "wrong/gap-0010.exr is missing"),
+        (
+            "left-####.exr wrong/order-####.exr -o no-####.exr",
+            1,
+            "wrong/order-0010.exr does not belong to left-0010.exr: its frame is 11",
+        ),
+        (
+            "left-####.exr wrong/mixed-####.exr -o no-####.exr",
+            1,
+            "wrong/mixed-0010.exr does not belong to left-0010.exr: its seed is 1",
+        ),
+        (
+            "left-####.exr seed-####.exr -o no-####.exr",
+            1,
+            "seed-0009.exr does not belong to left-0009.exr: its seed is 1",
+        ),
+        ("left-####.exr -o no-####.exr", 1, "no piece has the pixels 10,0,14,14"),
+        ("left-####.exr absent-####.exr -o no-####.exr", 1, "absent-####.exr: there is no such file"),
+        ("left-####.exr right-####.exr -o no.exr", 2, "no.exr: the pieces are those of a sequence; put ####"),
+        (
+            "left-0009.exr right-0009.exr -o no-####.exr",
+            2,
+            "no-####.exr: the pieces are those of one picture",
+        ),
+        (
+            "left-####.exr right-0009.exr -o no-####.exr",
+            2,
+            "right-0009.exr is one file and left-####.exr numbered ones",
+        ),
+        ("left-####.exr right-####.exr -o left-####.exr", 2, "left-0009.exr is one of the pieces"),
+        ("left-0009.exr right-0009.exr -o right-0009.exr", 2, "right-0009.exr is one of the pieces"),
+        ("left-####.exr right-####.exr -o no-####.jpg", 2, ".png or .exr"),
+    ] {
+        let outcome = sheer(folder, &format!("merge {arguments}"));
+        assert_eq!(outcome.code, Some(code), "{arguments}: {outcome:?}");
+        assert!(outcome.stderr.contains(said), "{arguments}: {outcome:?}");
+        assert_eq!(outcome.stderr.lines().count(), 1, "{outcome:?}");
+    }
+    assert!(names_in(folder).iter().all(|name| !name.starts_with("no")), "{:?}", names_in(folder));
+}
+
+#[test]
 fn a_gpu_says_that_it_renders_whole_pictures() {
     let folder = tempfile::tempdir().unwrap();
     let picture = "render layers --size 16x8 -a none --backend gpu --crop 0,0,8,8 -o a.exr";
