@@ -481,7 +481,7 @@ pub(crate) struct ViewArguments {
     #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true, requires = "eye")]
     pub(crate) target: Option<Vec3>,
     /// What is up in the picture: 0,1,0 if not given.
-    #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true, requires = "eye")]
+    #[arg(long, value_name = "X,Y,Z", value_parser = direction, allow_hyphen_values = true, requires = "eye")]
     pub(crate) up: Option<Vec3>,
     /// Height of the view in degrees; that of the camera if not given.
     #[arg(long, value_name = "DEGREES", value_parser = field_of_view, conflicts_with = "ortho")]
@@ -518,9 +518,11 @@ pub(crate) struct LoadArguments {
 pub(crate) struct FrameArguments {
     #[arg(long, value_name = "WxH", help = format!("Width and height in pixels [default: {DEFAULT_SIZE}; compare: {COMPARE_SIZE}]"))]
     pub(crate) size: Option<Size>,
-    /// How many frames, or which: 24..48 are those from 24 up to 47, 24..=47 the same.
-    #[arg(long, value_name = "N|A..B", default_value = "32")]
-    pub(crate) frames: FrameSpan,
+    /// How many frames, or which: 24..48 are those from 24 up to 47, 24..=47 the same. One picture of
+    /// `render` is what they have added up to, or the first where they do not (-a none, --samples, --raw)
+    /// [default: 32].
+    #[arg(long, value_name = "N|A..B")]
+    pub(crate) frames: Option<FrameSpan>,
     /// Index of the first frame, where --frames does not name it [default: 0].
     #[arg(long, value_name = "I", value_parser = value_parser!(u32).range(..=i64::from(LAST_FRAME)))]
     pub(crate) first_frame: Option<u32>,
@@ -680,6 +682,11 @@ pub(crate) enum FrameSpan {
     From(u32, u32),
 }
 
+impl FrameSpan {
+    /// Where the user does not say.
+    pub(crate) const DEFAULT: Self = Self::Count(32);
+}
+
 impl FromStr for FrameSpan {
     type Err = String;
 
@@ -801,6 +808,11 @@ fn vector(text: &str) -> Result<Vec3, String> {
     let numbers = numbers.filter(|numbers| numbers.iter().all(|number| number.is_finite()));
     let vector = numbers.and_then(|numbers| <[f32; 3]>::try_from(numbers).ok());
     vector.map(Vec3::from).ok_or_else(|| "give three numbers as in 0,1.5,-2".to_owned())
+}
+
+fn direction(text: &str) -> Result<Vec3, String> {
+    let vector = vector(text).ok().filter(|vector| *vector != Vec3::ZERO);
+    vector.ok_or_else(|| "give a direction as in 0,1,0".to_owned())
 }
 
 fn field_of_view(text: &str) -> Result<f32, String> {

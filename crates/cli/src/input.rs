@@ -23,6 +23,8 @@ pub(crate) struct PictureInput {
     pub(crate) is_named: bool,
     /// Its frames in order, at least one.
     pub(crate) frames: Vec<PathBuf>,
+    /// Their numbers, where it is a clip of numbered files.
+    numbers: Option<Vec<u32>>,
 }
 
 impl PictureInput {
@@ -34,14 +36,26 @@ impl PictureInput {
             Some((name, path)) if !whole.exists() && !name.contains('/') => (name, Path::new(path), true),
             _ => (text, whole, false),
         };
-        let frames = frames(path)?;
+        if name.is_empty() || path.as_os_str().is_empty() {
+            bail!("'{text}' names no picture: give PATH or NAME=PATH");
+        }
+        let (frames, numbers) = frames(path)?;
         if frames.is_empty() {
             bail!(
                 "{}: there is no picture; give a .png, .exr, .jpg, .hdr or .webp file, a folder of them, or a name with #### for the number",
                 path.display()
             );
         }
-        Ok(Self { name: name.to_owned(), is_named, frames })
+        Ok(Self { name: name.to_owned(), is_named, frames, numbers })
+    }
+
+    /// The first frame, and that of another clip beside it, whose numbers are not as far from those of the
+    /// first ones: then frames are missing, and those that follow would be held against others.
+    pub(crate) fn out_of_step<'a>(&'a self, other: &'a Self) -> Option<(&'a Path, &'a Path)> {
+        let (own, others) = (self.numbers.as_deref()?, other.numbers.as_deref()?);
+        let steps = |numbers: &[u32]| numbers.iter().map(|number| number - numbers[0]).collect::<Vec<_>>();
+        let at = steps(own).into_iter().zip(steps(others)).position(|(own, other)| own != other)?;
+        Some((&self.frames[at], &other.frames[at]))
     }
 }
 
@@ -91,9 +105,10 @@ impl<'a> FramePictures<'a> {
     }
 }
 
-fn frames(path: &Path) -> anyhow::Result<Vec<PathBuf>> {
+/// The files of a clip, with their numbers where they are asked for by number.
+fn frames(path: &Path) -> anyhow::Result<(Vec<PathBuf>, Option<Vec<u32>>)> {
     if path.is_file() {
-        return Ok(vec![path.to_owned()]);
+        return Ok((vec![path.to_owned()], None));
     }
     if path.is_dir() {
         let mut files = listed(path)?;
@@ -102,13 +117,14 @@ fn frames(path: &Path) -> anyhow::Result<Vec<PathBuf>> {
             ending.is_some_and(|ending| ENDINGS.iter().any(|known| *known == ending))
         });
         files.sort();
-        return Ok(files);
+        return Ok((files, None));
     }
     let pattern = PictureOutput::from_path(path);
     if !matches!(pattern, PictureOutput::Sequence { .. }) {
         bail!("{}: there is no such file or folder", path.display());
     }
-    Ok(numbered(&pattern)?.into_iter().map(|(_, file)| file).collect())
+    let (numbers, files) = numbered(&pattern)?.into_iter().unzip();
+    Ok((files, Some(numbers)))
 }
 
 /// The files of a pattern that there are with their numbers, in order; none for what is no pattern.

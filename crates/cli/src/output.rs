@@ -12,7 +12,7 @@ use std::{
 
 use anyhow::Context as _;
 use sheer_image::{
-    DisplayShare, FileFormat, ImageError, Metadata, Piece, Planes, Tone, check_writable, write_frame,
+    DisplayShare, FileFormat, Metadata, Piece, Planes, Tone, check_place, check_writable, write_frame,
     write_whole,
 };
 
@@ -95,18 +95,22 @@ impl<'a> TextOutput<'a> {
     }
 }
 
+/// Refuses to write two things to stdout, which no program could tell apart.
+pub(crate) fn check_stdout(outputs: &[(&str, Option<&Path>)]) -> Result<(), Misuse> {
+    let printed = outputs.iter().filter(|(_, path)| *path == Some(Path::new("-")));
+    let options: Vec<&str> = printed.map(|(option, _)| *option).collect();
+    match &options[..] {
+        [first, second, ..] => {
+            Err(Misuse(format!("{first} and {second} are both to go to stdout: give a file to one of them")))
+        }
+        _ => Ok(()),
+    }
+}
+
 /// Finds out whether a file of any kind can be written.
 fn check_file(path: &Path) -> anyhow::Result<()> {
     let _interruptions_wait = writing();
-    // The check knows pixel files only; what it finds out about their folder holds for any file.
-    match check_writable(&path.with_extension("png")) {
-        Ok(_) | Err(ImageError::IsFolder { .. }) => {}
-        Err(error) => return Err(error.into()),
-    }
-    if path.is_dir() {
-        return Err(ImageError::IsFolder { path: path.to_owned() }.into());
-    }
-    Ok(())
+    Ok(check_place(path)?)
 }
 
 /// Writes a file whole.
@@ -119,7 +123,7 @@ pub(crate) fn write_file(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
 pub(crate) fn open_folder(folder: &Path) -> anyhow::Result<()> {
     make_folder(folder)?;
     let _interruptions_wait = writing();
-    check_writable(&folder.join("probe.png"))?;
+    check_place(&folder.join("index.html"))?;
     Ok(())
 }
 

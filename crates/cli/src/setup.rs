@@ -57,12 +57,12 @@ impl FrameArguments {
     /// The first frame is given twice.
     pub(crate) fn settings(&self, default_size: Size) -> anyhow::Result<Settings> {
         let first_frame = match (self.frames, self.first_frame) {
-            (FrameSpan::From(..), Some(_)) => {
+            (Some(FrameSpan::From(..)), Some(_)) => {
                 let problem = "--frames names the first frame already: leave out --first-frame, or give --frames a number";
                 return Err(Misuse(problem.to_owned()).into());
             }
-            (FrameSpan::From(first, _), None) => first,
-            (FrameSpan::Count(_), first) => first.unwrap_or(0),
+            (Some(FrameSpan::From(first, _)), None) => first,
+            (Some(FrameSpan::Count(_)) | None, first) => first.unwrap_or(0),
         };
         Ok(Settings {
             size: self.size.unwrap_or(default_size).0,
@@ -80,7 +80,7 @@ impl FrameArguments {
 
     /// How many frames.
     pub(crate) fn count(&self) -> u32 {
-        let (FrameSpan::Count(count) | FrameSpan::From(_, count)) = self.frames;
+        let (FrameSpan::Count(count) | FrameSpan::From(_, count)) = self.frames.unwrap_or(FrameSpan::DEFAULT);
         count
     }
 }

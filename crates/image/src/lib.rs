@@ -24,7 +24,7 @@ pub use error::ImageError;
 pub use exr_file::{decode_exr, encode_exr, read_exr, write_exr};
 pub use merge::{MergeError, Merged, check_frames, merge};
 pub use metadata::Metadata;
-pub use output::{FileFormat, check_writable, write_frame};
+pub use output::{FileFormat, check_place, check_writable, write_frame};
 pub use panorama::{decode_panorama, read_panorama};
 pub use picture::{Picture, decode_picture, read_picture};
 pub use piece::{Piece, SampleRange};

@@ -47,8 +47,21 @@ pub fn check_writable(path: &Path) -> Result<FileFormat, ImageError> {
         return Err(ImageError::IsFolder { path: path.to_owned() });
     }
     let format = FileFormat::from_path(path)?;
-    temporary_beside(path)?;
+    check_place(path)?;
     Ok(format)
+}
+
+/// The same of a file that is no picture.
+///
+/// # Errors
+/// [`ImageError::IsFolder`], [`ImageError::MissingFolder`], or [`ImageError::Write`] if the folder accepts no
+/// new file.
+pub fn check_place(path: &Path) -> Result<(), ImageError> {
+    if path.is_dir() {
+        return Err(ImageError::IsFolder { path: path.to_owned() });
+    }
+    temporary_beside(path)?;
+    Ok(())
 }
 
 /// Writes a piece of a picture, or the whole of it, in the format that the ending of `path` asks for. Its

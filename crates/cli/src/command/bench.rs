@@ -30,6 +30,8 @@ impl Task for BenchArguments {
 fn bench<B: Backend>(arguments: &BenchArguments, backend: &B) -> anyhow::Result<()> {
     let console = arguments.machine.apply()?;
     // What can go wrong goes wrong before the first frame.
+    let (to_json, to_html) = (arguments.json.as_deref(), arguments.html.as_deref());
+    arguments.data.check_stdout(&[("--json", to_json), ("--html", to_html)])?;
     let json = arguments.json.as_deref().map(TextOutput::open).transpose()?;
     let html = arguments.html.as_deref().map(TextOutput::open).transpose()?;
     let data_files = DataFiles::open(&arguments.data)?;

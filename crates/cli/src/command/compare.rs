@@ -41,9 +41,7 @@ impl Task for CompareArguments {
 fn compare<B: Backend>(arguments: &CompareArguments, backend: &B) -> anyhow::Result<()> {
     let console = arguments.machine.apply()?;
     // What can go wrong goes wrong before the first frame.
-    let folder = arguments.output.as_path();
-    output::open_folder(folder)?;
-    let data_files = DataFiles::open(&arguments.data)?;
+    arguments.data.check_stdout(&[])?;
     let settings = arguments.light.under(arguments.frames.settings(COMPARE_SIZE)?);
     if arguments.vdp && settings.size.into_iter().any(|side| side < LEAST_VDP_SIDE_PX) {
         let problem =
@@ -57,6 +55,9 @@ fn compare<B: Backend>(arguments: &CompareArguments, backend: &B) -> anyhow::Res
     let seeds = Seeds::new(arguments, &settings);
     let mut truths = seeds.truths(&references, settings)?;
     let pictures = foreign_pictures(arguments, &methods, &settings)?;
+    let folder = arguments.output.as_path();
+    output::open_folder(folder)?;
+    let data_files = DataFiles::open(&arguments.data)?;
     let mut opened = arguments.scene.open(backend, settings.size, arguments.machine, console)?;
 
     // Pictures of other programs are read as their frames come up.

@@ -23,11 +23,7 @@ use crate::{
 pub(crate) fn run(arguments: &MetricsArguments) -> anyhow::Result<()> {
     // What can go wrong goes wrong before the first picture is read.
     let console = arguments.machine.apply()?;
-    let data_files = DataFiles::open(&arguments.data)?;
-    let json = arguments.json.as_deref().map(TextOutput::open).transpose()?;
-    if let Some(folder) = &arguments.html {
-        output::open_folder(folder)?;
-    }
+    arguments.data.check_stdout(&[("--json", arguments.json.as_deref())])?;
     let reference = PictureInput::find(&arguments.reference)?;
     let inputs: Vec<PictureInput> =
         arguments.pictures.iter().map(|text| PictureInput::find(text)).collect::<anyhow::Result<_>>()?;
@@ -35,11 +31,25 @@ pub(crate) fn run(arguments: &MetricsArguments) -> anyhow::Result<()> {
         let (frames, expected) = (input.frames.len(), reference.frames.len());
         if frames != expected && expected != 1 {
             let problem = format!(
-                "{} has {frames} pictures and the reference {expected}: give as many, or one reference for all",
-                input.name
+                "{} has {frames} picture{} and the reference {expected}: give as many, or one reference for all",
+                input.name,
+                if frames == 1 { "" } else { "s" },
             );
             return Err(Misuse(problem).into());
         }
+        if let Some((frame, other)) = input.out_of_step(&reference) {
+            let problem = format!(
+                "{} and {} have other numbers than those before them, counted from the first: a frame is missing of one of the clips",
+                frame.display(),
+                other.display()
+            );
+            return Err(Misuse(problem).into());
+        }
+    }
+    let data_files = DataFiles::open(&arguments.data)?;
+    let json = arguments.json.as_deref().map(TextOutput::open).transpose()?;
+    if let Some(folder) = &arguments.html {
+        output::open_folder(folder)?;
     }
 
     let tone = arguments.tone.tone();

@@ -64,6 +64,7 @@ fn render<B: Backend>(arguments: &RenderArguments, backend: &B) -> anyhow::Resul
         return Ok(());
     }
     plan.warn_of_cold_start(&stretches, console);
+    plan.warn_of_frames_left_out(arguments, console);
 
     let metadata = setup::metadata(backend, &arguments.scene, &arguments.method, antialiasing, &settings);
     let metadata = plan.metadata(metadata);
@@ -112,7 +113,8 @@ fn render<B: Backend>(arguments: &RenderArguments, backend: &B) -> anyhow::Resul
     };
     let count = if plan.output.has_all_frames() { written } else { plan.frames.len() };
     let (what, of) = match plan.exposure {
-        Some(Exposure { samples, .. }) => (format!("{samples} samples"), "sample"),
+        Some(Exposure { samples, part: None, .. }) => (format!("{samples} samples"), "sample"),
+        Some(Exposure { part: Some(part), .. }) => (format!("samples {part}"), "sample"),
         None => (antialiasing.to_string(), "frame"),
     };
     console.note(format_args!(
@@ -231,6 +233,25 @@ impl Plan {
                 stretch.written[0]
             ));
         }
+    }
+
+    /// Says which frame one picture shows of several that were asked for and do not add up.
+    fn warn_of_frames_left_out(&self, arguments: &RenderArguments, console: Console) {
+        let asked = if arguments.frames.frames.is_some() { arguments.frames.count() } else { 1 };
+        if self.output.has_all_frames() || asked <= self.frames.len() as u32 {
+            return;
+        }
+        let first = self.frames.start;
+        let option = match arguments {
+            RenderArguments { samples: Some(_), .. } => "--samples",
+            RenderArguments { raw: true, .. } => "--raw",
+            _ => "-a none",
+        };
+        console.warn(format_args!(
+            "{} is frame {first} alone: under {option} each of the {asked} frames stands for itself; put #### into the name for all of them, or give --first-frame {} for the last",
+            self.path.display(),
+            first + asked - 1,
+        ));
     }
 
     /// What all frames have in common.

@@ -1,10 +1,25 @@
 //! The figures of a table for spreadsheets (CSV) and papers (LaTeX).
 
-use std::fmt::Write as _;
+use std::{
+    fmt::Write as _,
+    path::{Path, PathBuf},
+};
 
 use sheer_lab::Figures;
 
-use crate::{args::DataArguments, output::TextOutput};
+use crate::{
+    args::DataArguments,
+    failure::Misuse,
+    output::{self, TextOutput},
+};
+
+impl DataArguments {
+    /// Refuses to print more than one of the files and these others.
+    pub(crate) fn check_stdout(&self, others: &[(&str, Option<&Path>)]) -> Result<(), Misuse> {
+        let own = [("--csv", self.csv.as_deref()), ("--latex", self.latex.as_deref())];
+        output::check_stdout(&[others, &own].concat())
+    }
+}
 
 /// Where a table goes beside the terminal.
 #[derive(Debug)]
@@ -16,7 +31,7 @@ pub(crate) struct DataFiles<'a> {
 impl<'a> DataFiles<'a> {
     /// Finds out whether the files can be written.
     pub(crate) fn open(arguments: &'a DataArguments) -> anyhow::Result<Self> {
-        let open = |path: &'a Option<std::path::PathBuf>| path.as_deref().map(TextOutput::open).transpose();
+        let open = |path: &'a Option<PathBuf>| path.as_deref().map(TextOutput::open).transpose();
         Ok(Self { csv: open(&arguments.csv)?, latex: open(&arguments.latex)? })
     }
 
@@ -37,8 +52,8 @@ impl<'a> DataFiles<'a> {
     }
 }
 
-/// Comma-separated values (RFC 4180), with all digits that there are; what is missing is empty. Half of a 95 %
-/// confidence interval has a column `… ci95` after its mean's.
+/// Comma-separated values (RFC 4180), with all digits that there are; what is missing is empty. Half of a 95
+/// % confidence interval has a column `… ci95` after its mean's.
 fn csv(figures: &Figures) -> String {
     let quoted = |text: &str| {
         if text.contains([',', '"', '\n', '\r']) {

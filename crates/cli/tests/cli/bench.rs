@@ -76,5 +76,8 @@ fn a_page_and_figures_are_written_side_by_side() {
     cells.for_each(|cell| assert!(page.contains(cell), "{cell}"));
     let outcome = sheer(folder.path(), "bench layers --size 32x18 --frames 1 --html missing/a.html");
     assert_eq!(outcome.code, Some(1), "{outcome:?}");
-    assert!(outcome.stderr.contains("missing"), "{outcome:?}");
+    assert!(outcome.stderr.contains("cannot write missing/a.html: the folder missing"), "{outcome:?}");
+    let outcome = sheer(folder.path(), "bench layers --size 32x18 --frames 1 --json - --html -");
+    assert_eq!(outcome.code, Some(2), "{outcome:?}");
+    assert!(outcome.stderr.contains("--json and --html are both to go to stdout"), "{outcome:?}");
 }

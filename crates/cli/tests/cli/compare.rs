@@ -190,6 +190,7 @@ fn pictures_of_other_programs_stand_beside_the_methods() {
         assert_eq!(outcome.code, Some(code), "{with}: {outcome:?}");
         assert!(outcome.stderr.contains(said), "{with}: {outcome:?}");
     }
+    assert!(!folder.join("refused").exists(), "a folder is left without a report");
     let outcome = sheer(folder, "compare layers --size 32x20 --frames 1 -m std --with a=one.exr -o refused");
     assert_eq!(outcome.code, Some(2), "{outcome:?}");
     assert!(outcome.stderr.contains("one.exr is 32x18 and the comparison 32x20"), "{outcome:?}");

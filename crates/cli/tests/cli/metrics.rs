@@ -57,11 +57,20 @@ fn clips_are_folders_or_numbers_and_one_reference_does_for_all() {
     assert_numbers(&clip[0], &["tpsnr_db", "flicker"]);
     // JPEG loses a little of the steps.
     assert!(clip[0]["psnr_db"].as_f64().unwrap() > 35.0, "{clip}");
+    // From another number on, but not with a gap elsewhere.
+    for (from, to) in [(1, 5), (2, 6), (3, 7), (1, 8), (2, 10), (3, 11)] {
+        let name = |stem: char, frame: u32| folder.path().join(format!("{stem}-{frame:04}.png"));
+        fs::copy(name('a', from), name(if to < 8 { 'b' } else { 'c' }, to)).unwrap();
+    }
+    assert_eq!(rows("a-####.png b-####.png")[0]["rms"].as_f64(), Some(0.0));
+    let outcome = sheer(folder.path(), "metrics a-####.png c-####.png");
+    assert_eq!(outcome.code, Some(2), "{outcome:?}");
+    assert!(outcome.stderr.contains("c-0010.png and ./a-0002.png have other numbers"), "{outcome:?}");
     let still = rows("a-0001.png a-####.png");
     assert_eq!(still[0]["frames"].as_u64(), Some(3));
     let outcome = sheer(folder.path(), "metrics clip a-0001.png");
     assert_eq!(outcome.code, Some(2));
-    assert!(outcome.stderr.contains("a-0001.png has 1 pictures and the reference 3"), "{outcome:?}");
+    assert!(outcome.stderr.contains("a-0001.png has 1 picture and the reference 3"), "{outcome:?}");
 }
 
 #[test]
@@ -117,7 +126,15 @@ fn what_cannot_be_compared_is_named() {
         ("metrics a.png b.png", 1, "b.png: there is no such file"),
         ("metrics a.png text.png", 1, "text.png"),
         ("metrics a.png small.png", 2, "small.png is 8x8 and the reference 48x32"),
-        ("metrics a.png a.png --vdp --csv missing/a.csv", 1, "missing"),
+        (
+            "metrics a.png a.png --vdp --csv missing/a.csv",
+            1,
+            "cannot write missing/a.csv: the folder missing",
+        ),
+        ("metrics a.png =a.png", 1, "'=a.png' names no picture"),
+        ("metrics a.png b=", 1, "'b=' names no picture"),
+        ("metrics a.png a.png --csv - --json -", 2, "--json and --csv are both to go to stdout"),
+        ("metrics a.png a.png --csv - --latex -", 2, "--csv and --latex are both to go to stdout"),
     ] {
         let outcome = sheer(folder.path(), arguments);
         assert_eq!(outcome.code, Some(code), "{arguments}: {outcome:?}");

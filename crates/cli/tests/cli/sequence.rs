@@ -40,6 +40,28 @@ fn frames_are_a_number_or_a_range() {
 }
 
 #[test]
+fn one_picture_of_frames_that_do_not_add_up_says_which_it_is() {
+    let folder = tempfile::tempdir().unwrap();
+    let clip = "render arena --time 6 -m std --size 16x9";
+    succeed(folder.path(), &format!("{clip} -a none --frames 2..6 -o all-##.exr"));
+    let one = succeed(folder.path(), &format!("{clip} -a none --frames 2..6 -o one.exr"));
+    assert!(one.stderr.contains("one.exr is frame 2 alone: under -a none each of the 4 frames"), "{one:?}");
+    assert!(one.stderr.contains("--first-frame 5 for the last"), "{one:?}");
+    assert_eq!(colour(folder.path(), "one.exr"), colour(folder.path(), "all-02.exr"));
+    succeed(folder.path(), &format!("{clip} -a none --first-frame 5 -o last.exr"));
+    assert_eq!(colour(folder.path(), "last.exr"), colour(folder.path(), "all-05.exr"));
+    for (how, option) in [("--samples 2", "under --samples"), ("--raw -a taa", "under --raw")] {
+        let one = succeed(folder.path(), &format!("{clip} {how} --frames 3 -o one.exr"));
+        assert!(one.stderr.contains(option), "{how}: {one:?}");
+    }
+    // What adds up shows all, and whoever asks for nothing has nothing left out.
+    for quiet in ["-a taa --frames 3", "-a none", "-a none --frames 1", "-a none --frames 3 -q"] {
+        let one = succeed(folder.path(), &format!("{clip} {quiet} -o one.exr"));
+        assert!(!one.stderr.contains("warning"), "{quiet}: {one:?}");
+    }
+}
+
+#[test]
 fn the_frame_rate_says_when_a_frame_is() {
     let folder = tempfile::tempdir().unwrap();
     let arena = "render arena -m baseline -a none --size 24x14 --time 6";
@@ -143,6 +165,7 @@ fn a_view_of_ones_own_is_given_as_inspect_tells_it() {
         ("--eye 1,2", "three numbers"),
         ("--eye 1,2,nan", "three numbers"),
         ("--eye 1,2,3 --target 1,2,3", "the same point"),
+        ("--eye 1,2,3 --up 0,0,0", "give a direction as in 0,1,0"),
         ("--target 1,2,3", "--eye"),
         ("--eye 1,2,3 --camera orbit", "--camera"),
         ("--fov 180", "179"),
