@@ -1,9 +1,10 @@
 //! `cargo xtask rules`: what the compiler cannot check.
 
 mod architecture;
+mod package;
 mod width;
 
-use std::fs;
+use std::{fs, path::Path};
 
 use anyhow::{Context as _, ensure};
 
@@ -35,6 +36,14 @@ pub(crate) fn run() -> anyhow::Result<()> {
     let width = width::set_width(&read("rustfmt.toml")?).context("rustfmt.toml sets no max_width")?;
     for file in workspace::sources(&["*.rs", "*.wgsl"])? {
         let text = read(&file)?;
+        if let Some(folder) = published_crate(&file) {
+            for (line, foreign) in package::foreign_files(Path::new(&file), folder, &text) {
+                broken.push(format!(
+                    "{file}:{line}: {} is outside its crate, which cannot be published so",
+                    foreign.display()
+                ));
+            }
+        }
         if let Some(line) = confession(&text) {
             broken.push(format!(
                 "{file}:{line}: a value that has to be kept equal by hand; derive one from the other"
@@ -46,6 +55,14 @@ pub(crate) fn run() -> anyhow::Result<()> {
     }
     ensure!(broken.is_empty(), "{}", broken.join("\n"));
     Ok(())
+}
+
+/// The folder of the crate that a source belongs to, if that is published and those who use it build the
+/// file.
+fn published_crate(file: &str) -> Option<&Path> {
+    let path = Path::new(file);
+    let folder = path.ancestors().nth(path.components().count().checked_sub(2)?)?;
+    (path.starts_with("crates") && path.strip_prefix(folder).ok()?.starts_with("src")).then_some(folder)
 }
 
 fn read(name: &str) -> anyhow::Result<String> {
@@ -62,6 +79,14 @@ fn confession(text: &str) -> Option<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn only_what_users_build_is_asked_to_stand_alone() {
+        assert_eq!(published_crate("crates/lab/src/a/b.rs"), Some(Path::new("crates/lab")));
+        for other in ["crates/lab/tests/a.rs", "xtask/src/main.rs", "README.md"] {
+            assert_eq!(published_crate(other), None, "{other}");
+        }
+    }
 
     #[test]
     fn a_confession_is_found_with_its_line() {

@@ -45,7 +45,7 @@ macro_rules! file {
     ($folder:literal, $name:literal) => {
         (
             $name,
-            include_bytes!(concat!(env!("CARGO_MANIFEST_DIR"), "/../../assets/gltf/", $folder, "/", $name)),
+            include_bytes!(concat!(env!("CARGO_MANIFEST_DIR"), "/assets/", $folder, "/", $name)),
         )
     };
 }
