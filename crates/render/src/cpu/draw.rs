@@ -38,6 +38,10 @@ pub struct Rendered {
     pub steps: Vec<StepTime>,
 }
 
+/// Traces the pixels of a tile, given by column and row, and hands them out in the same order. Called once a
+/// tile, so that the loop over tiles and threads need not be compiled for each method.
+type TraceTile<'a> = dyn Fn(&mut Tracer<'_>, &[[u32; 2]], &mut Counters, &mut Vec<Pixel>) + Sync + 'a;
+
 /// Renders a frame with a method of any family.
 pub(super) struct Draw<'a> {
     pub(super) stage: &'a Stage,
@@ -56,11 +60,11 @@ impl Visitor for Draw<'_> {
         };
         if self.splits_layers().is_some() {
             let choose = layered::by_threshold(method, &tables);
-            return self.tiles(|tracer, tile, counters, pixels| {
+            return self.tiles(&|tracer, tile, counters, pixels| {
                 tracer.layered(tile, counters, pixels, &choose, find);
             });
         }
-        self.tiles(|tracer, tile, counters, pixels| {
+        self.tiles(&|tracer, tile, counters, pixels| {
             tracer.stochastic(hybrid, tile, counters, pixels, find);
         })
     }
@@ -74,17 +78,17 @@ impl Visitor for Draw<'_> {
         };
         if let Some(LayerSplit { least_share }) = self.splits_layers() {
             let choose = layered::by_selection(threshold, least_share);
-            return self.tiles(|tracer, tile, counters, pixels| {
+            return self.tiles(&|tracer, tile, counters, pixels| {
                 tracer.layered(tile, counters, pixels, &choose, find);
             });
         }
-        self.tiles(|tracer, tile, counters, pixels| {
+        self.tiles(&|tracer, tile, counters, pixels| {
             tracer.stochastic(hybrid, tile, counters, pixels, find);
         })
     }
 
     fn ordered(self, method: &impl OrderedCompositing) -> Self::Output {
-        self.tiles(|tracer, tile, counters, pixels| {
+        self.tiles(&|tracer, tile, counters, pixels| {
             tracer.composite_in_order(method, tile, counters, pixels);
         })
     }
@@ -113,7 +117,7 @@ impl Draw<'_> {
         let offsets = samples::offsets(method.samples(), self.settings.jitter);
         let pass_names = (0..method.pass_count()).map(|pass| method.pass_name(pass));
         let (stage, region) = (self.stage, self.settings.run.region());
-        let (mut rendered, byproducts) = self.timed_tiles(|tracer, tile, counters, pixels| {
+        let (mut rendered, byproducts) = self.timed_tiles(&|tracer, tile, counters, pixels| {
             tracer.composite_unordered(method, &offsets, filter.is_some(), tile, counters, pixels);
         })?;
         let names = iter::once("gather").chain(pass_names).chain(["composite"]);
@@ -140,20 +144,13 @@ impl Draw<'_> {
         self.settings.layers.filter(|_| self.hybrid == Hybrid::NONE)
     }
 
-    /// Calls `trace` for every tile, in parallel: with the columns and rows of its pixels, and with where
-    /// they go, in the same order.
-    fn tiles(
-        self,
-        trace: impl Fn(&mut Tracer<'_>, &[[u32; 2]], &mut Counters, &mut Vec<Pixel>) + Sync,
-    ) -> Result<Rendered, RenderError> {
+    /// Calls `trace` for every tile, in parallel.
+    fn tiles(self, trace: &TraceTile<'_>) -> Result<Rendered, RenderError> {
         Ok(self.timed_tiles(trace)?.0)
     }
 
     /// Calls `trace` for every tile, in parallel, and adds up what the pixels leave behind beside themselves.
-    fn timed_tiles(
-        self,
-        trace: impl Fn(&mut Tracer<'_>, &[[u32; 2]], &mut Counters, &mut Vec<Pixel>) + Sync,
-    ) -> Result<(Rendered, Byproducts), RenderError> {
+    fn timed_tiles(self, trace: &TraceTile<'_>) -> Result<(Rendered, Byproducts), RenderError> {
         let Region { left, top, width, height } = self.settings.run.region();
         let planes = if self.settings.layers.is_some() { Planes::with_layers } else { Planes::new };
         let mut planes = planes(width, height)?;
