@@ -140,7 +140,11 @@ fn has_samples(adapter: &wgpu::Adapter, count: u32) -> bool {
 }
 
 fn instance() -> wgpu::Instance {
-    wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle())
+    let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
+    // Names and lines within compiled shaders: drivers take longer to read them, and nobody looks at them,
+    // since errors are told by the piece and its line before a driver sees anything.
+    descriptor.flags.remove(wgpu::InstanceFlags::DEBUG);
+    wgpu::Instance::new(descriptor)
 }
 
 /// All adapters, the best first.
