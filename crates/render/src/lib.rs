@@ -25,6 +25,7 @@ pub mod contract;
 mod cost;
 pub mod cpu;
 mod error;
+mod fragments;
 mod light_buffers;
 pub mod limits;
 pub mod method;
@@ -39,6 +40,7 @@ pub use crate::{
     clock::Clock,
     cost::{Counters, StepTime, Timings},
     error::RenderError,
+    fragments::RayFragment,
     method::{Method, MethodError},
     pipeline::Pipeline,
     settings::{Background, FrameSettings, LayerSplit, Settings},

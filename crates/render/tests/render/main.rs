@@ -4,7 +4,9 @@
 mod clip_planes;
 mod crop;
 mod display;
+mod examples;
 mod family;
+mod fragments;
 mod glass;
 mod instances;
 mod methods;
