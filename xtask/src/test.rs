@@ -27,7 +27,7 @@ pub(crate) fn run() -> anyhow::Result<()> {
         // Packages come over a network, which leaves the processors to the compiler.
         let programs = scope.spawn(setup::programs);
         // From what needs least to what needs most, so that a slip is told early.
-        let steps: [Step<'_>; 9] = [
+        let steps: [Step<'_>; 10] = [
             ("toolchain", Box::new(setup::toolchain)),
             ("format", Box::new(format)),
             ("rules", Box::new(rules::run)),
