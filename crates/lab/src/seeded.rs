@@ -123,19 +123,27 @@ mod tests {
 
     const SEEDS: [u32; 3] = [4, 9, 5];
 
-    fn measured(settings: Settings, methods: &[&str], seeds: &[u32]) -> Vec<Seeded<Measured>> {
-        let scene = sheer_gallery::open("pane").unwrap().scene;
-        let mut stage = Stage::new(scene, &CameraChoice::Default, None).unwrap();
+    fn stage(scene: &str) -> Stage {
+        Stage::new(sheer_gallery::open(scene).unwrap().scene, &CameraChoice::Default, None).unwrap()
+    }
+
+    fn measured(
+        stage: &mut Stage,
+        settings: Settings,
+        methods: &[&str],
+        seeds: &[u32],
+    ) -> Vec<Seeded<Measured>> {
         let clip = Clip { settings, antialiasing: Antialiasing::TAA, frame_count: 2, keeps_frames: false };
         let methods = methods.iter().map(|method| method.parse().unwrap()).collect();
         let methods = with_reference(methods).unwrap();
-        clip.play_beside(&Cpu, &mut stage, (&methods, seeds), None, &[], &Silent).unwrap().0
+        clip.play_beside(&Cpu, stage, (&methods, seeds), None, &[], &Silent).unwrap().0
     }
 
     #[test]
     fn seeds_differ_where_something_is_random_and_nowhere_else() {
         let settings = Settings { size: [24, 14], ..Settings::default() };
-        let all = measured(settings, &["std", "weighted"], &SEEDS);
+        let mut stage = stage("pane");
+        let all = measured(&mut stage, settings, &["std", "weighted"], &SEEDS);
         let counts: Vec<usize> = all.iter().map(Seeded::count).collect();
         assert_eq!(counts, [1, 3, 3]);
         let rms = |row: &Measured| Some(row.rms);
@@ -148,7 +156,7 @@ mod tests {
         // Each run is that of its seed alone, and the mean theirs.
         let mut sum = 0.0;
         for (run, seed) in all[1].runs().zip(SEEDS) {
-            let alone = measured(Settings { seed, ..settings }, &["std"], &[seed]);
+            let alone = measured(&mut stage, Settings { seed, ..settings }, &["std"], &[seed]);
             assert_eq!(alone[1].first().rms, run.rms, "{seed}");
             assert_eq!(alone[1].estimate(false, rms).half_width, None);
             sum += run.rms;
@@ -158,13 +166,15 @@ mod tests {
 
     #[test]
     fn the_exact_answer_knows_the_seed_where_shadows_say_so_and_nowhere_else() {
+        // Smoke shadows the square in parts.
+        let mut stage = stage("smoke-square");
         for info in SHADOWS {
             let key = info.parameters.iter().find(|parameter| parameter.key == "resolution");
             let text = key.map_or(info.id.to_owned(), |_| format!("{}:resolution=64", info.id));
             let shadow: Shadow = text.parse().unwrap();
-            let picture = |seed| {
+            let mut picture = |seed| {
                 let settings = Settings { size: [24, 14], shadow, seed, ..Settings::default() };
-                measured(settings, &[], &[seed])[0].first().picture.as_slice().to_vec()
+                measured(&mut stage, settings, &[], &[seed])[0].first().picture.as_slice().to_vec()
             };
             assert_eq!(picture(1) != picture(2), shadow.is_random(), "{text}");
         }
