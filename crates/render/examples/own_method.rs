@@ -10,9 +10,9 @@ use sheer_render::{
     cpu::{OwnThreshold, Transparency},
 };
 
-/// A random number for each pixel and surface, moved on from frame to frame by an irrational step, so that the
-/// frames of a pixel are spread evenly (Cranley and Patterson, "Randomization of number theoretic methods for
-/// multiple integration", 1976). Surfaces have steps of their own: with one step for all, the same layers
+/// A random number for each pixel and surface, moved on from frame to frame by an irrational step, so that
+/// the frames of a pixel are spread evenly (Cranley and Patterson, "Randomization of number theoretic methods
+/// for multiple integration", 1976). Surfaces have steps of their own: with one step for all, the same layers
 /// would mask each other in every frame.
 pub(crate) struct Rotation;
 

@@ -25,9 +25,10 @@ pub use crate::{
     environment::Environment,
     error::SceneError,
     frame::{
-        Animator, Beam, FaceSide, Frame, FrameLight, FrameSize, GONE, HEAD_ON, LEAST_GRAZING, LEAST_SHARED, Look,
-        MIRRORED, MeshInstance, MorphedAttributes, MovingObjects, NO_TEXTURE, OPAQUE, Object, SINGLE_SIDED, SLOT, Sharing,
-        StaticCounts, Surface, TINTED, Transmitted, TriangleOpacity, scene_lights,
+        Animator, Beam, FaceSide, Frame, FrameLight, FrameSize, GONE, HEAD_ON, LEAST_GRAZING, LEAST_SHARED,
+        Look, MIRRORED, MeshInstance, MorphedAttributes, MovingObjects, NO_TEXTURE, OPAQUE, Object,
+        SINGLE_SIDED, SLOT, Sharing, StaticCounts, Surface, TINTED, Transmitted, TriangleOpacity,
+        scene_lights,
     },
     keys::Interpolate,
     memory::SceneMemory,

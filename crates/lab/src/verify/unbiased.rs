@@ -43,10 +43,7 @@ type File = (&'static str, &'static [u8]);
 
 macro_rules! file {
     ($folder:literal, $name:literal) => {
-        (
-            $name,
-            include_bytes!(concat!(env!("CARGO_MANIFEST_DIR"), "/assets/", $folder, "/", $name)),
-        )
+        ($name, include_bytes!(concat!(env!("CARGO_MANIFEST_DIR"), "/assets/", $folder, "/", $name)))
     };
 }
 
