@@ -12,7 +12,7 @@ use crate::limits::INDEX_LIMIT;
 use crate::node::{Block, Child, Node};
 use crate::packed::PackedTree;
 use crate::ray::{Hit, Ray};
-use crate::refit::{self, Dearness, Watch};
+use crate::refit::{self, TreeCost, Watch};
 use crate::simd::{SimdPath, SupportedPath};
 use crate::tree::Tree;
 use crate::validate::{self, Stats};
@@ -124,7 +124,7 @@ impl Bvh {
         self.blocks.truncate(self.kept.block_count);
         let (moving, shift) = (static_count..triangles.len(), self.shift());
         let part = build::build(triangles, moving.clone(), shift, &mut self.nodes, &mut self.blocks);
-        let built = Dearness::of(&self.nodes[self.kept.node_count..], &self.blocks[self.kept.block_count..]);
+        let built = TreeCost::of(&self.nodes[self.kept.node_count..], &self.blocks[self.kept.block_count..]);
         self.moving = Moving {
             triangle_count: moving.len(),
             node_end: self.nodes.len(),
@@ -144,7 +144,7 @@ impl Bvh {
     /// changes the order gets a new tree. What is the successor of none has come since. Triangles may begin
     /// and cease to be ignored (see [`Bvh`]).
     ///
-    /// The tree is built anew when it has become 10 % dearer to trace through than it was (by the surface
+    /// The tree is built anew when it has become 10 % more costly to trace through than it was (by the surface
     /// area heuristic), when one triangle in 16 has come or gone, and after 60 refits.
     pub fn refit_after(&mut self, static_count: usize, triangles: &[[Vec3; 3]], successors: &[u32]) -> bool {
         let moving_count = triangles.len().saturating_sub(static_count);
@@ -187,26 +187,25 @@ impl Bvh {
         };
         let starts = [self.kept.node_count, self.kept.block_count];
         let (nodes, blocks) = (&mut self.nodes[starts[0]..], &mut self.blocks[starts[1]..]);
-        let Some((part, dearness)) = refit::refit(part, nodes, blocks, starts, renew) else { return false };
+        let Some((part, cost)) = refit::refit(part, nodes, blocks, starts, renew) else { return false };
 
         // Whether that is still a good tree, and what is in none.
-        let is_stranger =
+        let has_arrived =
             |&place: &usize| !placed[place].load(Ordering::Relaxed) && build::is_kept(&moving[place]);
-        let strangers: Vec<usize> =
-            (0..moving.len()).filter(is_stranger).map(|place| first + place).collect();
-        if !self.moving.watch.keeps(dearness, strangers.len()) {
+        let arrivals: Vec<usize> = (0..moving.len()).filter(has_arrived).map(|place| first + place).collect();
+        if !self.moving.watch.keeps(cost, arrivals.len()) {
             return false;
         }
         self.moving.part = Some(part);
         self.moving.triangle_count = triangles.len() - first;
-        let strangers = build::build_of(triangles, &strangers, shift, &mut self.nodes, &mut self.blocks);
-        self.join(strangers);
+        let arrivals = build::build_of(triangles, &arrivals, shift, &mut self.nodes, &mut self.blocks);
+        self.join(arrivals);
         true
     }
 
     /// Makes one tree of what is kept, what moves, and what has come since that was built.
-    fn join(&mut self, strangers: Option<Part>) {
-        let parts: Vec<Part> = [self.kept.part, self.moving.part, strangers].into_iter().flatten().collect();
+    fn join(&mut self, arrivals: Option<Part>) {
+        let parts: Vec<Part> = [self.kept.part, self.moving.part, arrivals].into_iter().flatten().collect();
         self.whole = build::join(&parts, &mut self.nodes);
     }
 

@@ -14,7 +14,7 @@ use crate::node::{Block, Child, Node, WIDTH};
 /// Blocks that a task renews at least: some 50 µs.
 const LEAST_TASK: usize = 256;
 
-/// Makes a part of a tree fit its triangles again, and says how dear it is now. `renew` puts into each block
+/// Makes a part of a tree fit its triangles again, and says what it costs now. `renew` puts into each block
 /// what is left of its triangles, where they are now, and returns their box. None if nothing is left.
 ///
 /// `nodes` and `blocks` are those of the part, the first of which have the indices `first`; parents come
@@ -25,7 +25,7 @@ pub(crate) fn refit(
     blocks: &mut [Block],
     first: [usize; 2],
     renew: impl Fn(&mut Block) -> Bounds + Send + Sync,
-) -> Option<(Part, Dearness)> {
+) -> Option<(Part, TreeCost)> {
     let [first_node, first_block] = first;
     let renew = |block: &mut Block| (renew(block), Leaf::new(block));
     let (mut of_blocks, mut leaves) = (Vec::new(), Vec::new());
@@ -55,7 +55,7 @@ pub(crate) fn refit(
         }
     }
     let bounds = bounds_of(part.root, &of_nodes);
-    (!bounds.is_empty()).then(|| (Part { bounds, ..part }, Dearness::new(nodes, &leaves)))
+    (!bounds.is_empty()).then(|| (Part { bounds, ..part }, TreeCost::new(nodes, &leaves)))
 }
 
 /// What a leaf holds.
@@ -83,15 +83,15 @@ impl Leaf {
 /// (surface area heuristic).
 ///
 /// Relative to the triangles, not to the box around all: that grows with the first that goes astray, and
-/// would hide what becomes of the others. Where they move apart, or grow, a new tree is dearer, too, and one
+/// would hide what becomes of the others. Where they move apart, or grow, a new tree costs more, too, and one
 /// is built now and then in vain.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Dearness {
+pub(crate) struct TreeCost {
     triangle_count: usize,
     boxes_per_triangle: f64,
 }
 
-impl Dearness {
+impl TreeCost {
     /// Of a part that has just been built, from its nodes and blocks.
     pub(crate) fn of(nodes: &[Node], blocks: &[Block]) -> Self {
         let leaves: Vec<Leaf> = blocks.par_iter().with_min_len(LEAST_TASK).map(Leaf::new).collect();
@@ -115,40 +115,40 @@ impl Dearness {
 /// Says when a tree is to be built anew.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Watch {
-    built: Dearness,
+    built: TreeCost,
     /// How many triangles may be gone, and how many may have come.
-    most_strangers: usize,
+    most_arrivals: usize,
     /// Refits since.
     refits: u32,
 }
 
 impl Watch {
-    /// How much dearer than when it was built a tree may be.
-    const MOST_DEARNESS: f64 = 1.1;
+    /// How much more than when it was built a tree may cost.
+    const MOST_COST: f64 = 1.1;
     /// One in so many triangles may have come since the tree was built, or gone.
-    const STRANGERS: usize = 16;
+    const ARRIVALS: usize = 16;
     /// Refits after which a tree is built anew in any case.
     const MOST_REFITS: u32 = 60;
 
     /// Keeps every tree.
     #[cfg(test)]
     pub(crate) const BLIND: Self = Self {
-        built: Dearness { triangle_count: 0, boxes_per_triangle: f64::INFINITY },
-        most_strangers: usize::MAX,
+        built: TreeCost { triangle_count: 0, boxes_per_triangle: f64::INFINITY },
+        most_arrivals: usize::MAX,
         refits: 0,
     };
 
-    pub(crate) fn new(built: Dearness) -> Self {
-        Self { built, most_strangers: built.triangle_count / Self::STRANGERS, refits: 0 }
+    pub(crate) fn new(built: TreeCost) -> Self {
+        Self { built, most_arrivals: built.triangle_count / Self::ARRIVALS, refits: 0 }
     }
 
-    /// Whether the tree is to be kept after another refit, beside `strangers` that have come since it was
+    /// Whether the tree is to be kept after another refit, beside `arrivals` that have come since it was
     /// built.
-    pub(crate) fn keeps(&mut self, now: Dearness, strangers: usize) -> bool {
+    pub(crate) fn keeps(&mut self, now: TreeCost, arrivals: usize) -> bool {
         self.refits += 1;
         let gone = self.built.triangle_count.saturating_sub(now.triangle_count);
         self.refits <= Self::MOST_REFITS
-            && gone.max(strangers) <= self.most_strangers
-            && now.boxes_per_triangle <= Self::MOST_DEARNESS * self.built.boxes_per_triangle
+            && gone.max(arrivals) <= self.most_arrivals
+            && now.boxes_per_triangle <= Self::MOST_COST * self.built.boxes_per_triangle
     }
 }

@@ -198,8 +198,8 @@ fn all_that_moves_may_vanish_and_come_back() {
     assert_eq!(bvh.validate(&cloud.triangles()).unwrap().triangle_count, 207);
 }
 
-/// Dearness of a tree through which a vortex has stirred its triangles, relative to a new one, by frame.
-fn dearness_in_a_vortex(is_watched: bool) -> Vec<f64> {
+/// Cost of a tree through which a vortex has stirred its triangles, relative to a new one, by frame.
+fn cost_in_a_vortex(is_watched: bool) -> Vec<f64> {
     let mut cloud = Cloud::new(150, 0, 4000);
     let mut bvh = Bvh::build(&[]);
     bvh.rebuild_after(0, &cloud.triangles());
@@ -224,16 +224,16 @@ fn dearness_in_a_vortex(is_watched: bool) -> Vec<f64> {
 }
 
 #[test]
-fn a_tree_is_built_anew_before_it_is_dear_to_trace_through() {
-    let most = |dearness: &[f64]| dearness.iter().copied().fold(0.0, f64::max);
+fn a_tree_is_built_anew_before_it_costs_much_to_trace_through() {
+    let most = |cost: &[f64]| cost.iter().copied().fold(0.0, f64::max);
     // The bound, and what the joint of the parts may add to it.
-    let watched = dearness_in_a_vortex(true);
+    let watched = cost_in_a_vortex(true);
     assert!(most(&watched) < 1.15, "{watched:?}");
     // It does go down again, and is not held there by building each frame.
     let rebuilt = watched.windows(2).filter(|pair| pair[1] < pair[0] - 0.02).count();
     assert!((1..30).contains(&rebuilt), "{rebuilt}: {watched:?}");
-    // The negative control: without the watch it is dear.
-    let unwatched = dearness_in_a_vortex(false);
+    // The negative control: without the watch it costs much.
+    let unwatched = cost_in_a_vortex(false);
     assert!(most(&unwatched) > 1.5, "{unwatched:?}");
 }
 
