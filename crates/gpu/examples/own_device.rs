@@ -84,7 +84,7 @@ impl Program {
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
         let adapter = pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default()))?;
         // What Sheer needs is asked for with what the program needs itself: here nothing.
-        let needs = Needs::of(method, GpuPath::Raster)?;
+        let needs = Needs::of(method, GpuPath::Raster)?.and(Needs::of(method, GpuPath::Ray)?);
         let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
             required_features: needs.features,
             required_limits: needs.limits,
@@ -193,9 +193,8 @@ impl Program {
     }
 
     /// All frames; how often the device was waited for meanwhile.
-    pub(crate) fn run(&self, method: Method) -> Result<u64, Box<dyn Error>> {
+    pub(crate) fn run(&self, method: Method, choice: GpuPathChoice) -> Result<u64, Box<dyn Error>> {
         let settings = Settings { size: SIZE, ..Settings::default() };
-        let choice = GpuPathChoice::Raster;
         let mut pipeline = GpuPipeline::with_opaque(
             &self.gpu,
             choice,
@@ -225,7 +224,7 @@ impl Program {
 fn main() -> Result<(), Box<dyn Error>> {
     let method: Method = "joint".parse()?;
     let program = Program::new(&method)?;
-    let waits = program.run(method)?;
+    let waits = program.run(method, GpuPathChoice::Raster)?;
     eprintln!("{FRAMES} frames on {}; waited {waits} times", program.gpu.description());
     Ok(())
 }

@@ -484,7 +484,7 @@ fn is_lost(device: &wgpu::Device) -> bool {
 }
 
 fn lost_to_the_caller() -> GpuError {
-    GpuError::DeviceLost { reason: "it is the caller's, and so is another one".to_owned() }
+    GpuError::DeviceLost { reason: "the program that opened it has to open another one".to_owned() }
 }
 
 /// An error of wgpu as one of ours; `what` was being done.

@@ -160,7 +160,7 @@ impl PySequence {
         }
         let Self { player, hidden, .. } = self;
         let (planes, origin) = unlocked(py, || {
-            let frame = || -> sheer_lab::Result<(Planes, Origin)> {
+            let mut frame = || -> sheer_lab::Result<(Planes, Origin)> {
                 while *hidden > 0 {
                     player.step()?;
                     *hidden -= 1;
@@ -168,7 +168,6 @@ impl PySequence {
                 player.step()?;
                 Ok((player.pipeline.planes().clone(), player.origin()?))
             };
-            let mut frame = frame;
             frame().map_err(|error| error.raise())
         })?;
         self.left -= 1;

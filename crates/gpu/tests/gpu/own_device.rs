@@ -134,17 +134,21 @@ fn differing(expected: &Planes, found: &[[f32; 4]], counts: impl Fn((u32, u32)) 
 #[test]
 fn a_triangle_and_glass_of_a_programs_own_are_what_sheer_render_shows() {
     let program = Program::new(&method("joint")).unwrap();
-    assert_eq!(program.run(method("joint")).unwrap(), 0, "somebody waited for the device");
-    let found = read(&program.gpu, &program.picture);
     let (stage, expected) = on_cpu(TRIANGLE_RGB);
-    let all = differing(&expected, &found, |_| true);
-    let inside = differing(&expected, &found, |pixel| !stage.is_near_edge(pixel, SIZE, REACH_PX));
-    assert!(inside.pixels > found.len() / 2, "{inside:?}");
-    assert!(all.share() <= COLOUR_SHARE && inside.others == 0, "{all:?}, away from edges {inside:?}");
-    // Negative control: a triangle that is hardly darker is another picture.
-    let (stage, darker) = on_cpu(TRIANGLE_RGB.map(|value| 0.99 * value));
-    let inside = differing(&darker, &found, |pixel| !stage.is_near_edge(pixel, SIZE, REACH_PX));
-    assert!(inside.share() > 0.05, "{inside:?}");
+    let (_, darker) = on_cpu(TRIANGLE_RGB.map(|value| 0.99 * value));
+    let is_inside = |pixel| !stage.is_near_edge(pixel, SIZE, REACH_PX);
+    for path in [GpuPathChoice::Raster, GpuPathChoice::Ray] {
+        assert_eq!(program.run(method("joint"), path).unwrap(), 0, "somebody waited for the device");
+        let found = read(&program.gpu, &program.picture);
+        let all = differing(&expected, &found, |_| true);
+        let inside = differing(&expected, &found, is_inside);
+        assert!(inside.pixels > found.len() / 2, "{path:?}: {inside:?}");
+        let shows_same = all.share() <= COLOUR_SHARE && inside.others == 0;
+        assert!(shows_same, "{path:?}: {all:?}, away from edges {inside:?}");
+        // Negative control: a triangle that is hardly darker is another picture.
+        let inside = differing(&darker, &found, is_inside);
+        assert!(inside.share() > 0.05, "{path:?}: {inside:?}");
+    }
 }
 
 /// A device with these features and limits.
