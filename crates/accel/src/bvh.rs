@@ -144,8 +144,8 @@ impl Bvh {
     /// changes the order gets a new tree. What is the successor of none has come since. Triangles may begin
     /// and cease to be ignored (see [`Bvh`]).
     ///
-    /// The tree is built anew when it has become 10 % more costly to trace through than it was (by the surface
-    /// area heuristic), when one triangle in 16 has come or gone, and after 60 refits.
+    /// The tree is built anew when it costs 10 % more to trace through than it did (by the surface area
+    /// heuristic), when one triangle in 16 has come or gone, and after 60 refits.
     pub fn refit_after(&mut self, static_count: usize, triangles: &[[Vec3; 3]], successors: &[u32]) -> bool {
         let moving_count = triangles.len().saturating_sub(static_count);
         let fits = static_count == self.kept.triangle_count
